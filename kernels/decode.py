@@ -1,0 +1,88 @@
+"""Step 1 and 2: what a state means, U -> h, v, phi (cells), and the friction coefficient mu it gives."""
+
+from typing import Any, NamedTuple
+
+import warp as wp
+from warpgran.kernels.precision import DRY, Ints, Variant, precision
+from warpgran.kernels.ranges import before_first, end_of, first_of, run_of
+from warpgran.kernels.rheology import Rheology
+
+
+class Decode(NamedTuple):
+    """The kernels of this stage, in the order of launch."""
+
+    decode: Any
+    friction: Any
+    boundary: Any
+
+
+def make(variant: Variant, rheology: Rheology, module: Any) -> Decode:
+    """The kernels of a variant."""
+    kinds = precision(variant.precision)
+    Real, A, Params = kinds.Real, kinds.Array, kinds.Params
+    dry = Real(DRY)
+    root, friction_of = rheology.root, rheology.friction
+
+    @wp.kernel(module=module)
+    def decode(
+        U0: A, U1: A, U2: A, params: Params, lo: Ints, hi: Ints,
+        active: Ints, chunks: int,
+        h: A, v: A, phi_wet: A,
+    ):  # fmt: skip
+        """h = U0/phi, v = U1/U0, phi = (U2/U0)^(1/(alpha - 1)) of wet cells; 0 in dry ones."""
+        t = wp.tid()
+        r = run_of(t, chunks)
+        p = params[r]
+        i = first_of(t, chunks, p.row, lo[r], hi[r])
+        end = end_of(t, chunks, p.row, lo[r], hi[r], active[r])
+        while i < end:
+            wet = U0[i] > dry and U2[i] > Real(0.0)
+            mass = wp.where(wet, U0[i], Real(1.0))
+            per_mass = Real(1.0) / mass
+            phi = root(wp.where(wet, U2[i], Real(1.0)) * per_mass, p)
+            h[i] = wp.where(wet, mass / phi, Real(0.0))
+            v[i] = wp.where(wet, U1[i] * per_mass, Real(0.0))
+            phi_wet[i] = wp.where(wet, phi, Real(0.0))
+            i += wp.block_dim()
+
+    @wp.kernel(module=module)
+    def friction(
+        h: A, v: A, phi_wet: A, params: Params, lo: Ints, hi: Ints,
+        active: Ints, chunks: int,
+        phi: A, mu: A,
+    ):  # fmt: skip
+        """Phi of dry cells from their wet neighbours (3.14), phi_stat without any; mu of all cells."""
+        t = wp.tid()
+        r = run_of(t, chunks)
+        p = params[r]
+        left = before_first(t, chunks, p.row, lo[r], hi[r])
+        end = end_of(t, chunks, p.row, lo[r], hi[r], active[r]) - 1
+        while left < end:
+            i = left + 1
+            beside = wp.max(phi_wet[left], phi_wet[left + 2])
+            dry_phi = wp.where(beside > Real(0.0), beside, p.phi_stat)
+            phi_i = wp.where(phi_wet[i] > Real(0.0), phi_wet[i], dry_phi)
+            phi[i] = phi_i
+            mu[i] = friction_of(h[i], v[i], phi_i, p)
+            left += wp.block_dim()
+
+    @wp.func
+    def set_ghost(h: A, v: A, phi: A, mu: A, ghost: int, cell: int, v_factor: Real):
+        h[ghost] = h[cell]
+        v[ghost] = v_factor * v[cell]
+        phi[ghost] = phi[cell]
+        mu[ghost] = -mu[cell]
+
+    @wp.kernel(module=module)
+    def boundary(params: Params, active: Ints, h: A, v: A, phi: A, mu: A):
+        """Ghost cells: a wall mirrors the cell, an open end copies it.
+
+        The ghost's friction is -mu, so that the interface friction, and with it Dz and iota, is exactly 0 there.
+        """
+        r = wp.tid()
+        p = params[r]
+        if active[r] != 0:
+            set_ghost(h, v, phi, mu, p.row - 1, p.row, p.v_left)
+            set_ghost(h, v, phi, mu, p.row + p.cells, p.row + p.cells - 1, p.v_right)
+
+    return Decode(decode, friction, boundary)

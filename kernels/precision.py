@@ -1,0 +1,133 @@
+"""Scalar types, the per-run parameters, memory layout and compile options: what every kernel file starts from."""
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import warp as wp
+
+# Layout. The cells of run r are the elements row .. row + cells - 1 of a flat array, row = params[r].row; the elements
+# before and after hold the ghost cells. Interface i lies between cells i-1 and i and is stored at row + i.
+BLOCK = 32
+"""Ranges of cells start and end at multiples of this: no scalar remainder of a vector loop, so the same bits whatever
+the range."""
+MARGIN = 16
+"""Elements before each row: the left ghost cell, and cell 0 at a cache line's start."""
+
+DRY = 1e-12
+"""A cell holding no more solid than this (m) is dry."""
+
+Ints = wp.array(dtype=wp.int32)
+Doubles = wp.array(dtype=wp.float64)
+"""Per-run arrays that have the same type in both precisions."""
+
+# Gains and the traps of these flags: docs/performance.md. NaN tests are void in modules compiled with FAST, so
+# whatever looks for a NaN lives in a module compiled with CAREFUL.
+CAREFUL = "-march=native -mllvm=-inline-threshold=9000 -mllvm=-inline-cold-callsite-threshold=3000"
+FAST = (
+    CAREFUL
+    + " -ffp-contract=fast -menable-no-nans -fno-signed-zeros -mprefer-vector-width=512"
+    + " -Wno-nan-infinity-disabled"  # Warp's own headers mention NaN
+)
+
+
+@dataclass(frozen=True)
+class Precision:
+    """The types of one precision.
+
+    Attributes:
+        name: "float64" or "float32".
+        Real: the Warp scalar.
+        Array: wp.array of Real, one dimension.
+        RunParams: struct of one run's parameters.
+        Params: wp.array of RunParams, shape (runs,).
+        tiny: floor under denominators that may vanish.
+    """
+
+    name: str
+    Real: Any
+    Array: Any
+    RunParams: Any
+    Params: Any
+    tiny: float
+
+
+def _run_params(Real: Any) -> Any:
+    @wp.struct
+    class RunParams:
+        cells: wp.int32
+        row: wp.int32  # element of cell 0
+        padded: wp.int32  # cells + 1 rounded up to BLOCK: the longest range
+        step_limit: wp.int32
+        dx: Real  # m
+        per_dx: Real
+        g_c: Real  # g cos(theta), m/s2
+        cfl: Real
+        mu1: Real
+        dmu: Real  # mu2 - mu1
+        I0: Real
+        d: Real  # grain diameter, m
+        K: Real
+        K_tilde: Real
+        phi_stat: Real
+        N: Real  # exponent of f2
+        wall: Real  # mu_w/width, 1/m
+        h_min: Real  # m
+        h_front: Real  # m
+        alpha: Real
+        a: Real  # alpha - 1
+        root: Real  # 1/(alpha - 1)
+        per_2a: Real  # 1/(2 (alpha - 1))
+        per_2alpha_1: Real  # 1/(2 alpha - 1)
+        head: Real  # lambda/g_c, s2/m
+        xi1: Real
+        xi2: Real
+        xi3: Real
+        xi_max: Real
+        v_left: Real  # velocity of the left ghost cell over that of cell 0: -1 wall, 1 open
+        v_right: Real
+
+    return RunParams
+
+
+@functools.cache
+def precision(name: str) -> Precision:
+    """The types of `name`, "float64" or "float32"; a struct may be defined only once, hence cached."""
+    Real, tiny = {"float64": (wp.float64, 1e-200), "float32": (wp.float32, 1e-36)}[name]
+    RunParams = _run_params(Real)
+    return Precision(name, Real, wp.array(dtype=Real), RunParams, wp.array(dtype=RunParams), tiny)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """What is compiled in: the choices of a case that change code, not numbers.
+
+    Attributes:
+        precision: "float64" or "float32".
+        alpha_two: alpha = 2, so that x^(alpha - 1) is x.
+        lambda_zero: lambda = 0, so that the head correction vanishes.
+        phi_eq: "f0", "f1", "f2", or "f2_one" for f2 with N = 1.
+        relaxation: "rational" or "exponential".
+        viscosity: "bounded" or "paper".
+    """
+
+    precision: str = "float64"
+    alpha_two: bool = True
+    lambda_zero: bool = True
+    phi_eq: str = "f2_one"
+    relaxation: str = "rational"
+    viscosity: str = "bounded"
+
+    @property
+    def name(self) -> str:
+        """A name for the compiled module."""
+        alpha = "alpha2" if self.alpha_two else "alpha"
+        head = "" if self.lambda_zero else "_lambda"
+        return f"warpgran_{self.precision}_{alpha}{head}_{self.phi_eq}_{self.relaxation}_{self.viscosity}"
+
+
+def module(name: str, flags: str) -> Any:
+    """The Warp module of that name, compiled with these flags on the CPU."""
+    found = wp.get_module(name)
+    found.options.update({"cpu_compiler_flags": flags, "enable_backward": False})
+    return found

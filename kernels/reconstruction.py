@@ -1,0 +1,102 @@
+"""Steps 5 and 6: apparent topography and reconstructed states at interfaces."""
+
+from typing import Any
+
+import warp as wp
+from warpgran.kernels.precision import Ints, Variant, precision
+from warpgran.kernels.ranges import before_first, end_of, run_of
+from warpgran.kernels.rheology import Rheology
+
+
+def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
+    """The kernel of a variant."""
+    kinds = precision(variant.precision)
+    Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
+    tiny = Real(kinds.tiny)
+    power, root = rheology.power, rheology.root
+
+    @wp.func
+    def projection(x: Real, mu: Real) -> Real:
+        """proj_mu (3.11)."""
+        return wp.min(wp.max(x, -mu), mu)
+
+    @wp.func
+    def apparent_bed(X: Real, Y: Real, mu: Real) -> Real:
+        """Slope of the apparent topography, Proj_mu(X, Y) (3.10)."""
+        against = wp.where(Y > Real(0.0), -X, X)
+        # 2 Y/(1 + max(1, against/mu)), with one division
+        push = Real(2.0) * Y * mu / wp.max(mu + wp.max(mu, against), tiny)
+        return projection(projection(X, mu) + push, mu)
+
+    @wp.func
+    def driving_slope(h_l: Real, h_r: Real, phi_l: Real, phi_r: Real, dbhat: Real, p: RunParams) -> Real:
+        """X (3.12): the slope that pressure and gravity would drive down."""
+        p_l = power(phi_l, p)
+        p_r = power(phi_r, p)
+        return (h_l - h_r - dbhat + (h_l + h_r) * (p_l - p_r) / (p_l + p_r) * p.per_2a) * p.per_dx
+
+    @wp.func
+    def reconstructed_h(h: Real, phi: Real, phi_over: Real, z: Real, p: RunParams) -> Real:
+        """h* of the side that climbs by z [m] toward a side with phi_over (B.23), (B.24)."""
+        deficit = wp.max(Real(1.0) - power(phi_over / phi, p), Real(0.0))
+        regain = wp.min(h * deficit * p.per_2a, z * p.per_2alpha_1)
+        return wp.max(h + regain - z, Real(0.0))
+
+    @wp.func
+    def reconstructed_phi(h_star: Real, h: Real, phi: Real, phi_over: Real, p: RunParams) -> Real:
+        """phi* of the side that climbs (B.26), (B.27)."""
+        lowered = wp.max(phi * root(h_star / wp.max(h, tiny), p), phi_over)
+        return wp.where(phi_over < phi, lowered, phi)
+
+    @wp.func
+    def full_climb(Dz: Real, v_l: Real, v_r: Real, p: RunParams) -> Real:
+        """Height climbed [m] with lambda = 0 (B.16)."""
+        return wp.abs(Dz)
+
+    @wp.func
+    def climb_with_head(Dz: Real, v_l: Real, v_r: Real, p: RunParams) -> Real:
+        """Height climbed [m] less the part that the kinetic head carries (B.16)."""
+        head = wp.where(Dz > Real(0.0), v_l * v_l - v_r * v_r, v_r * v_r - v_l * v_l)
+        return wp.max(wp.abs(Dz) - p.head * Real(0.5) * wp.max(head, Real(0.0)), Real(0.0))
+
+    climb = full_climb if variant.lambda_zero else climb_with_head
+
+    @wp.kernel(module=module)
+    def reconstruct(
+        h: A, v: A, phi: A, mu: A, v_f: A, dbhat: A, dt: A, params: Params, lo: Ints,
+        hi: Ints, active: Ints, chunks: int,
+        h_l_star: A, h_r_star: A, phi_l_star: A, phi_r_star: A, Dz: A, iota: A,
+    ):  # fmt: skip
+        """States on both sides of each interface; only the side that climbs the jump Dz is changed."""
+        t = wp.tid()
+        r = run_of(t, chunks)
+        p = params[r]
+        left = before_first(t, chunks, p.row, lo[r], hi[r])
+        end = end_of(t, chunks, p.row, lo[r], hi[r], active[r]) - 1
+        per_g_dt = Real(1.0) / (p.g_c * dt[r])
+        while left < end:
+            i = left + 1
+            h_l = h[left]
+            h_r = h[i]
+            phi_l = phi[left]
+            phi_r = phi[i]
+            X = driving_slope(h_l, h_r, phi_l, phi_r, dbhat[i], p)
+            mu_f = Real(0.5) * (mu[left] + mu[i])
+            jump = dbhat[i] + p.dx * apparent_bed(X, v_f[i] * per_g_dt, mu_f)
+
+            rising = jump > Real(0.0)
+            h_c = wp.where(rising, h_l, h_r)
+            phi_c = wp.where(rising, phi_l, phi_r)
+            phi_over = wp.where(rising, phi_r, phi_l)
+            h_star = reconstructed_h(h_c, phi_c, phi_over, climb(jump, v[left], v[i], p), p)
+            phi_star = reconstructed_phi(h_star, h_c, phi_c, phi_over, p)
+
+            h_l_star[i] = wp.where(rising, h_star, h_l)
+            h_r_star[i] = wp.where(rising, h_r, h_star)
+            phi_l_star[i] = wp.where(rising, phi_star, phi_l)
+            phi_r_star[i] = wp.where(rising, phi_r, phi_star)
+            Dz[i] = jump
+            iota[i] = wp.max(v_f[i] * jump, Real(0.0))
+            left += wp.block_dim()
+
+    return reconstruct

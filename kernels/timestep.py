@@ -1,0 +1,93 @@
+"""Steps 3 and 4: interface velocities, and the time step of each run."""
+
+from typing import Any, NamedTuple
+
+import warp as wp
+from warpgran.kernels.precision import Doubles, Ints, Variant, precision
+from warpgran.kernels.ranges import before_first, end_of, run_of
+
+
+class TimeStep(NamedTuple):
+    """The kernels of this stage, in the order of launch."""
+
+    limits: Any
+    time_step: Any
+
+
+def make(variant: Variant, module: Any, careful: Any) -> TimeStep:
+    """The kernels of a variant; the second one handles NaN and so belongs to the module `careful`."""
+    kinds = precision(variant.precision)
+    Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
+    tiny = Real(kinds.tiny)
+
+    @wp.func
+    def face_velocity(h_l: Real, v_l: Real, phi_l: Real, h_r: Real, v_r: Real, phi_r: Real) -> Real:
+        """Mass-weighted velocity at an interface (3.8) [m/s]; 0 between dry cells."""
+        rho_l = phi_l * h_l
+        rho_r = phi_r * h_r
+        return (rho_l * v_l + rho_r * v_r) / wp.max(rho_l + rho_r, tiny)
+
+    @wp.func
+    def wave_speed(h: Real, v: Real, p: RunParams) -> Real:
+        """Fastest wave |v| + sqrt(g_c h) of a cell [m/s]."""
+        return wp.abs(v) + wp.sqrt(p.g_c * h)
+
+    @wp.func
+    def viscosity_bound(v_f: Real, dbhat: Real, mu_l: Real, mu_r: Real, p: RunParams) -> Real:
+        """Bound of v_f Dz that does not depend on dt [m2/s], for (3.22)."""
+        return v_f * dbhat + wp.abs(v_f) * Real(0.5) * (mu_l + mu_r) * p.dx
+
+    @wp.kernel(module=module)
+    def limits(
+        h: A, v: A, phi: A, mu: A, dbhat: A, params: Params, lo: Ints, hi: Ints,
+        active: Ints, chunks: int,
+        v_f: A, max_speed: A, max_viscosity: A,
+    ):  # fmt: skip
+        """Interface velocities, and what limits the step of a run: its largest wave speed and viscosity bound."""
+        t = wp.tid()
+        r = run_of(t, chunks)
+        p = params[r]
+        left = before_first(t, chunks, p.row, lo[r], hi[r])
+        end = end_of(t, chunks, p.row, lo[r], hi[r], active[r]) - 1
+        beyond = p.row + p.cells  # from the last interface on, elements of no interior interface
+        speed = Real(0.0)
+        viscosity = Real(0.0)
+        while left < end:
+            i = left + 1
+            v_i = face_velocity(h[left], v[left], phi[left], h[i], v[i], phi[i])
+            v_f[i] = v_i
+            bound = viscosity_bound(v_i, dbhat[i], mu[left], mu[i], p)
+            viscosity = wp.max(viscosity, wp.where(i < beyond, bound, Real(0.0)))
+            speed = wp.max(speed, wave_speed(h[i], v[i], p))
+            left += wp.block_dim()
+        if active[r] != 0:
+            wp.atomic_max(max_speed, r, speed)
+            wp.atomic_max(max_viscosity, r, viscosity)
+
+    @wp.kernel(module=careful)
+    def time_step(
+        params: Params, active: Ints, t: Doubles, t_out: Doubles,
+        max_speed: A, max_viscosity: A,
+        dt: A, dt_exact: Doubles, budget: Ints, running: Ints,
+    ):  # fmt: skip
+        """The least of the CFL limit, the parabolic limit and the time left to the output; resets the maxima."""
+        r = wp.tid()
+        if r == 0:
+            budget[0] = budget[0] - 1
+            running[0] = 0
+        if active[r] != 0:
+            p = params[r]
+            dx = wp.float64(p.dx)
+            speed = wp.float64(max_speed[r])
+            viscosity = wp.float64(p.xi_max) * wp.float64(max_viscosity[r])
+            step = t_out[0] - t[r]
+            if speed != wp.float64(0.0):  # true of a NaN too, which must not be taken for a run at rest
+                step = wp.min(step, wp.float64(p.cfl) * dx / speed)
+            if viscosity > wp.float64(0.0):
+                step = wp.min(step, dx * dx / (wp.float64(2.0) * viscosity))
+            dt_exact[r] = step
+            dt[r] = Real(step)
+            max_speed[r] = Real(0.0)
+            max_viscosity[r] = Real(0.0)
+
+    return TimeStep(limits, time_step)

@@ -1,0 +1,194 @@
+"""Each kernel of a step against the same stage of the reference, and what must not change a bit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from cases import at_centres, drawn, small
+from warpgran.kernels.clock import OK, STEP_LIMIT
+
+from warpgran import reference
+from warpgran.case import Case
+from warpgran.solver import Solver
+
+CELLS = 100
+
+
+def rough_case(**changes: Any) -> Case:
+    """Every cell drawn at random, a third of them dry, on a rough bed."""
+    rng = np.random.default_rng(7)
+    h = np.where(rng.random(CELLS) < 0.3, 0.0, rng.uniform(1e-4, 0.1, CELLS))
+    case = at_centres(h, rng.uniform(0.4, 0.62, CELLS), 0.05 * rng.standard_normal(CELLS), **changes)
+    return case.with_(**{"scheme.window": False, "scheme.left": "wall", "scheme.right": "open", "slope.angle": 20.0})
+
+
+def expected_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
+    """What every array of a step holds after step number `steps` of the reference."""
+    run = reference.Reference(case)
+    for _ in range(steps - 1):
+        run.step()
+    fields = run.fields
+    h, phi, v = (reference.with_ghosts(field) for field in (fields.h, fields.phi, fields.v))
+    mu = reference.friction(fields, case)
+    mu_l, mu_r = reference.with_ghosts(mu)
+    mu_f = 0.5 * (mu_l + mu_r)
+    rho = phi[0] * h[0], phi[1] * h[1]
+    v_f = reference.quotient(rho[0] * v[0] + rho[1] * v[1], rho[0] + rho[1])
+    before = run.U
+    dt = run.step()
+    Dz = reference.apparent_topography(h, phi, v_f, mu_f, run.dbhat, dt, case)
+    Dz[[0, -1]] = 0.0
+    up, alpha = reference.positive(Dz), case.scheme.alpha
+    h_l, phi_l = reference.reconstruct(h[0], phi[0], phi[1], up, Dz > 0.0, alpha)
+    h_r, phi_r = reference.reconstruct(h[1], phi[1], phi[0], reference.positive(-Dz), Dz < 0.0, alpha)
+    flux = reference.interface_flux(fields, Dz, case)
+    updated = reference.update(before, flux, dt, case)
+    relaxed = reference.relax(updated, dt, case)
+    inner = slice(1, -1)  # at the two ends the kernels' v_f is that of a ghost cell and has no effect
+    return {
+        "h": fields.h, "v": fields.v, "phi": fields.phi, "mu": mu, "v_f": v_f[inner], "dt": np.array([dt]),
+        "Dz": Dz[inner], "iota": reference.positive(v_f * Dz)[inner],
+        "h_l_star": h_l, "h_r_star": h_r, "phi_l_star": phi_l, "phi_r_star": phi_r,
+        "F0": flux.F0, "F1_l": flux.F1_l, "F1_r": flux.F1_r, "F2": flux.F2,
+        "W0": updated[0], "W1": updated[1], "W2": relaxed[2], "s": reference.quotient(relaxed[2], relaxed[0]),
+        "U0": run.U[0], "U1": run.U[1], "U2": run.U[2],
+    }  # fmt: skip
+
+
+def actual_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
+    """The same from the kernels, every output poisoned before the last step."""
+    solver = Solver([case])
+    s = solver.state
+    solver.prepare()
+    solver.start(1e3)
+    for _ in range(steps - 1):
+        solver.step()
+    row, n = s.rows[0], s.cells[0]
+    at_cells = {"h": s.h, "v": s.v, "phi": s.phi, "mu": s.mu, "s": s.s}
+    at_cells |= {f"W{k}": w for k, w in enumerate(s.W)}
+    at_inner = {"v_f": s.v_f, "Dz": s.Dz, "iota": s.iota}
+    at_all = dict(zip(("h_l_star", "h_r_star", "phi_l_star", "phi_r_star"), s.star, strict=True))
+    at_all |= dict(zip(("F0", "F1_l", "F1_r", "F2"), s.F, strict=True))
+    for array in (*at_cells.values(), *at_inner.values(), *at_all.values(), s.phi_wet, s.dt):
+        values = array.numpy()
+        values[row : row + n + 1] = np.nan
+        if array is s.dt:
+            values[:] = np.nan
+        array.assign(values)
+    solver.step()
+    at_cells |= {f"U{k}": u for k, u in enumerate(s.U)}
+    found = {name: array.numpy()[row : row + n] for name, array in at_cells.items()}
+    found |= {name: array.numpy()[row + 1 : row + n] for name, array in at_inner.items()}
+    found |= {name: array.numpy()[row : row + n + 1] for name, array in at_all.items()}
+    return {**found, "dt": s.dt.numpy()}
+
+
+STAGES = (
+    "h v phi mu v_f dt Dz iota h_l_star h_r_star phi_l_star phi_r_star F0 F1_l F1_r F2 W0 W1 W2 s U0 U1 U2"
+).split()
+
+
+@pytest.fixture(scope="module", params=[2.0, 1.5])
+def stages(request: pytest.FixtureRequest) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    case = rough_case(**{"scheme.alpha": request.param})
+    return actual_stages(case, 5), expected_stages(case, 5)
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_stage_agrees_with_the_reference(name: str, stages: tuple[dict[str, np.ndarray], ...]) -> None:
+    actual, expected = (each[name] for each in stages)
+    scale = np.abs(expected).max()
+    assert scale > 0.0
+    assert actual.shape == expected.shape
+    np.testing.assert_allclose(actual, expected, rtol=1e-11, atol=1e-13 * scale)
+
+
+def bits(solver: Solver, t: float) -> list[tuple[np.ndarray, ...]]:
+    """h, v, phi and steps of each run at t [s]."""
+    solver.prepare()
+    solver.start(t)
+    while not solver.replay():
+        pass
+    return list(zip(*solver.profiles(), solver.state.steps.numpy(), strict=True))
+
+
+def assert_same_bits(a: list[tuple[np.ndarray, ...]], b: list[tuple[np.ndarray, ...]]) -> None:
+    for one, other in zip(a, b, strict=True):
+        for x, y in zip(one, other, strict=True):
+            np.testing.assert_array_equal(x, y)
+
+
+MIXED: list[dict[str, Any]] = [
+    {},
+    {"grid.cells": 77, "slope.angle": -5.0},
+    {"column.start": 0.1, "column.length": 0.1, "scheme.left": "open"},
+    {"slope.angle": 0.0, "column.phi": 0.55, "grid.cells": 401, "scheme.right": "wall"},
+    {"scheme.h_bed": 1e-4, "rheology.K": 1.0},
+]
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_a_batch_gives_the_bits_of_single_runs(precision: str) -> None:
+    cases = [small(**changes) for changes in MIXED]
+    batch = bits(Solver(cases, precision_name=precision), 0.15)
+    singles = [bits(Solver([case], precision_name=precision), 0.15)[0] for case in cases]
+    assert_same_bits(batch, singles)
+    assert len({int(run[3]) for run in batch}) == len(cases)  # each has its own time step
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+@pytest.mark.parametrize("changes", MIXED)
+def test_the_window_changes_no_bit(changes: dict[str, Any], precision: str) -> None:
+    case = small(**{"grid.cells": 300, **changes})
+    limited, full = (Solver([case.with_(**{"scheme.window": on})], precision_name=precision) for on in (True, False))
+    assert_same_bits(bits(limited, 0.2), bits(full, 0.2))
+    narrow = limited.state.hi.numpy()[0] - limited.state.lo.numpy()[0]
+    wide = full.state.hi.numpy()[0] - full.state.lo.numpy()[0]
+    assert narrow < wide or case.grid.cells < 96 or case.scheme.h_bed > 0.0
+
+
+def test_replays_of_any_length_give_the_same_bits() -> None:
+    case = small()
+    whole, pieces = Solver([case]), Solver([case])
+    pieces.steps_per_replay = 7
+    assert_same_bits(bits(whole, 0.1), bits(pieces, 0.1))
+
+
+def test_a_step_by_hand_gives_the_bits_of_a_replay() -> None:
+    case = small()
+    replayed, stepped = Solver([case]), Solver([case])
+    expected = bits(replayed, 0.02)
+    stepped.prepare()
+    stepped.start(0.02)
+    while stepped.state.active.numpy()[0]:
+        stepped.step()
+    stepped.start(0.02)
+    assert_same_bits(expected, bits(stepped, 0.02))
+
+
+def test_a_run_stops_at_its_step_limit() -> None:
+    limited, free = small(**{"time.step_limit": 9}), small()
+    solver = Solver([free, limited])
+    solver.prepare()
+    solver.start(0.1)
+    while not solver.replay():
+        pass
+    assert solver.state.steps.numpy()[1] == 9
+    assert list(solver.state.status.numpy()) == [OK, STEP_LIMIT]
+    assert solver.state.t.numpy()[0] == 0.1 > solver.state.t.numpy()[1] > 0.0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_lambda_flux_is_that_of_the_reference_after_one_step(seed: int) -> None:
+    case = drawn(seed).with_(**{"scheme.lambda": 0.7, "scheme.h_bed": 1e-4})
+    run = reference.Reference(case)
+    solver = Solver([case])
+    solver.prepare()
+    solver.start(10.0)
+    for _ in range(20):
+        run.step()
+        solver.step()
+    for k in range(3):
+        np.testing.assert_allclose(solver.state.scatter(solver.state.U[k])[0], run.U[k], rtol=1e-10, atol=1e-14)

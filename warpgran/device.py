@@ -1,0 +1,70 @@
+"""Warp and its devices: starting it quietly, finding one, saying what there is."""
+
+from __future__ import annotations
+
+import ctypes.util
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import warp as wp
+
+
+class DeviceError(ValueError):
+    """A device that is not there; the message lists those that are."""
+
+
+def start_quietly() -> None:
+    """Start Warp without its banner, its compile messages, and its warning about a missing CUDA driver.
+
+    For the command line; a Python program that uses Warp itself decides this for itself.
+    """
+    wp.config.log_level = wp.LOG_WARNING
+    if ctypes.util.find_library("cuda") is None:
+        with _stderr_closed():
+            wp.init()
+    else:
+        wp.init()
+
+
+def find_device(name: str) -> str:
+    """The name Warp gives a device that is there.
+
+    Args:
+        name: "cpu", "cuda" or "cuda:N".
+
+    Raises:
+        DeviceError: It is not there.
+    """
+    try:
+        return str(wp.get_device(name))
+    except (RuntimeError, ValueError):
+        there = ", ".join(str(device) for device in wp.get_devices())
+        raise DeviceError(f"device: {name!r} is not on this machine; there is: {there}") from None
+
+
+def devices() -> list[tuple[str, str, float]]:
+    """Alias, name and memory [GiB; 0 if not known] of every device."""
+    return [(str(d), d.name, d.total_memory / 2**30 if d.is_cuda else _ram()) for d in wp.get_devices()]
+
+
+def _ram() -> float:
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+    except (AttributeError, ValueError, OSError):
+        return 0.0
+
+
+@contextmanager
+def _stderr_closed() -> Iterator[None]:
+    """Drop what native code writes to standard error."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    try:
+        with open(os.devnull, "wb") as null:
+            os.dup2(null.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
