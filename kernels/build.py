@@ -3,17 +3,28 @@
 import functools
 from typing import Any, NamedTuple
 
-from warpgran.kernels import clock, decode, flux, inspect, reconstruction, relaxation, rheology, timestep, update
-from warpgran.kernels import viscosity as viscosity_stage
-from warpgran.kernels.precision import CAREFUL, FAST, Variant, module
+from warpgran.kernels import (
+    clock,
+    decode,
+    flux,
+    reconstruction,
+    record,
+    relaxation,
+    rheology,
+    timestep,
+    update,
+    viscosity,
+)
+from warpgran.kernels.precision import CAREFUL, FAST, Variant, module, precision
 
 
 class Kernels(NamedTuple):
-    """The kernels of a variant: those of a step in their order of launch, then what is used between steps."""
+    """The kernels of a variant: those of a step in their order of launch, then what starts the loop."""
 
     decode: Any
     friction: Any
     boundary: Any
+    record: Any
     limits: Any
     time_step: Any
     reconstruct: Any
@@ -23,30 +34,41 @@ class Kernels(NamedTuple):
     diffuse: Any
     tick: Any
     start: Any
-    check: Any
-    measure: Any
 
 
 @functools.cache
 def build(variant: Variant) -> Kernels:
     """The kernels of a variant. Compiled when they are first launched: some seconds, then cached on disk."""
     fast = module(variant.name, FAST)
-    careful = module(f"warpgran_{variant.precision}_careful", CAREFUL)
     laws = rheology.make(variant)
     cells = decode.make(variant, laws, fast)
-    step = timestep.make(variant, fast, careful)
-    time = clock.make(variant, careful)
-    between = inspect.make(variant, careful)
+    careful = _careful(variant.precision)
     return Kernels(
         *cells,
-        *step,
+        record=careful.record,
+        limits=timestep.make_limits(variant, fast),
+        time_step=careful.time_step,
         reconstruct=reconstruction.make(variant, laws, fast),
         flux=flux.make(variant, laws, fast),
         update=update.make(variant, fast),
         relax=relaxation.make(variant, laws, fast),
-        diffuse=viscosity_stage.make(variant, fast),
-        tick=time.tick,
-        start=time.start,
-        check=between.check,
-        measure=between.measure,
+        diffuse=viscosity.make(variant, fast),
+        tick=careful.tick,
+        start=careful.start,
     )
+
+
+class Careful(NamedTuple):
+    """The kernels that work on runs, not cells: the same for all variants of a precision, and honouring NaN."""
+
+    record: Any
+    time_step: Any
+    start: Any
+    tick: Any
+
+
+@functools.cache
+def _careful(name: str) -> Careful:
+    kinds = precision(name)
+    careful = module(f"warpgran_{name}_careful", CAREFUL)
+    return Careful(record.make(kinds, careful), timestep.make_time_step(kinds, careful), *clock.make(kinds, careful))

@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 import warp as wp
+
 from warpgran.kernels.precision import DRY, Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, first_of, run_of
 from warpgran.kernels.rheology import Rheology
@@ -21,7 +22,7 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Decode:
     kinds = precision(variant.precision)
     Real, A, Params = kinds.Real, kinds.Array, kinds.Params
     dry = Real(DRY)
-    root, friction_of = rheology.root, rheology.friction
+    unpack, friction_of = rheology.unpack, rheology.friction
 
     @wp.kernel(module=module)
     def decode(
@@ -37,11 +38,9 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Decode:
         end = end_of(t, chunks, p.row, lo[r], hi[r], active[r])
         while i < end:
             wet = U0[i] > dry and U2[i] > Real(0.0)
-            mass = wp.where(wet, U0[i], Real(1.0))
-            per_mass = Real(1.0) / mass
-            phi = root(wp.where(wet, U2[i], Real(1.0)) * per_mass, p)
-            h[i] = wp.where(wet, mass / phi, Real(0.0))
-            v[i] = wp.where(wet, U1[i] * per_mass, Real(0.0))
+            per_U0, phi, h_i = unpack(wp.where(wet, U0[i], Real(1.0)), wp.where(wet, U2[i], Real(1.0)), p)
+            h[i] = wp.where(wet, h_i, Real(0.0))
+            v[i] = wp.where(wet, U1[i] * per_U0, Real(0.0))
             phi_wet[i] = wp.where(wet, phi, Real(0.0))
             i += wp.block_dim()
 

@@ -3,6 +3,7 @@
 from typing import Any
 
 import warp as wp
+
 from warpgran.kernels.precision import Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 from warpgran.kernels.rheology import Rheology

@@ -74,6 +74,7 @@ def _run_params(Real: Any) -> Any:
         wall: Real  # mu_w/width, 1/m
         h_min: Real  # m
         h_front: Real  # m
+        rest_speed: Real  # m/s; negative if a run at rest is to go on
         alpha: Real
         a: Real  # alpha - 1
         root: Real  # 1/(alpha - 1)

@@ -6,6 +6,7 @@ a plain loop, which LLVM vectorises; on CUDA neighbouring lanes read neighbourin
 """
 
 import warp as wp
+
 from warpgran.kernels.precision import BLOCK
 
 _BLOCK = wp.constant(BLOCK)

@@ -3,6 +3,7 @@
 from typing import Any
 
 import warp as wp
+
 from warpgran.kernels.precision import Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 from warpgran.kernels.rheology import Rheology
@@ -36,17 +37,14 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         return (h_l - h_r - dbhat + (h_l + h_r) * (p_l - p_r) / (p_l + p_r) * p.per_2a) * p.per_dx
 
     @wp.func
-    def reconstructed_h(h: Real, phi: Real, phi_over: Real, z: Real, p: RunParams) -> Real:
-        """h* of the side that climbs by z [m] toward a side with phi_over (B.23), (B.24)."""
-        deficit = wp.max(Real(1.0) - power(phi_over / phi, p), Real(0.0))
+    def reconstructed(h: Real, phi: Real, phi_over: Real, z: Real, p: RunParams):
+        """h* [m] and phi* of the side that climbs by z [m] toward phi_over (B.23), (B.24), (B.26), (B.27)."""
+        r = Real(1.0) / (phi * wp.max(h, tiny))  # for phi_over/phi and h*/h
+        deficit = wp.max(Real(1.0) - power(phi_over * (wp.max(h, tiny) * r), p), Real(0.0))
         regain = wp.min(h * deficit * p.per_2a, z * p.per_2alpha_1)
-        return wp.max(h + regain - z, Real(0.0))
-
-    @wp.func
-    def reconstructed_phi(h_star: Real, h: Real, phi: Real, phi_over: Real, p: RunParams) -> Real:
-        """phi* of the side that climbs (B.26), (B.27)."""
-        lowered = wp.max(phi * root(h_star / wp.max(h, tiny), p), phi_over)
-        return wp.where(phi_over < phi, lowered, phi)
+        h_star = wp.max(h + regain - z, Real(0.0))
+        lowered = wp.max(phi * root(h_star * (phi * r), p), phi_over)
+        return h_star, wp.where(phi_over < phi, lowered, phi)
 
     @wp.func
     def full_climb(Dz: Real, v_l: Real, v_r: Real, p: RunParams) -> Real:
@@ -88,8 +86,7 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
             h_c = wp.where(rising, h_l, h_r)
             phi_c = wp.where(rising, phi_l, phi_r)
             phi_over = wp.where(rising, phi_r, phi_l)
-            h_star = reconstructed_h(h_c, phi_c, phi_over, climb(jump, v[left], v[i], p), p)
-            phi_star = reconstructed_phi(h_star, h_c, phi_c, phi_over, p)
+            h_star, phi_star = reconstructed(h_c, phi_c, phi_over, climb(jump, v[left], v[i], p), p)
 
             h_l_star[i] = wp.where(rising, h_star, h_l)
             h_r_star[i] = wp.where(rising, h_r, h_star)

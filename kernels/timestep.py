@@ -1,21 +1,15 @@
 """Steps 3 and 4: interface velocities, and the time step of each run."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import warp as wp
-from warpgran.kernels.precision import Doubles, Ints, Variant, precision
+
+from warpgran.kernels.precision import Doubles, Ints, Precision, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 
 
-class TimeStep(NamedTuple):
-    """The kernels of this stage, in the order of launch."""
-
-    limits: Any
-    time_step: Any
-
-
-def make(variant: Variant, module: Any, careful: Any) -> TimeStep:
-    """The kernels of a variant; the second one handles NaN and so belongs to the module `careful`."""
+def make_limits(variant: Variant, module: Any) -> Any:
+    """The kernel that looks at all cells."""
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
     tiny = Real(kinds.tiny)
@@ -64,10 +58,16 @@ def make(variant: Variant, module: Any, careful: Any) -> TimeStep:
             wp.atomic_max(max_speed, r, speed)
             wp.atomic_max(max_viscosity, r, viscosity)
 
-    @wp.kernel(module=careful)
+    return limits
+
+
+def make_time_step(kinds: Precision, module: Any) -> Any:
+    """The kernel that chooses the step of each run; the module must be one that honours NaN."""
+    Real, A, Params = kinds.Real, kinds.Array, kinds.Params
+
+    @wp.kernel(module=module)
     def time_step(
-        params: Params, active: Ints, t: Doubles, t_out: Doubles,
-        max_speed: A, max_viscosity: A,
+        params: Params, active: Ints, t: Doubles, times: Doubles, output: Ints, max_speed: A, max_viscosity: A,
         dt: A, dt_exact: Doubles, budget: Ints, running: Ints,
     ):  # fmt: skip
         """The least of the CFL limit, the parabolic limit and the time left to the output; resets the maxima."""
@@ -75,19 +75,20 @@ def make(variant: Variant, module: Any, careful: Any) -> TimeStep:
         if r == 0:
             budget[0] = budget[0] - 1
             running[0] = 0
-        if active[r] != 0:
-            p = params[r]
-            dx = wp.float64(p.dx)
-            speed = wp.float64(max_speed[r])
-            viscosity = wp.float64(p.xi_max) * wp.float64(max_viscosity[r])
-            step = t_out[0] - t[r]
-            if speed != wp.float64(0.0):  # true of a NaN too, which must not be taken for a run at rest
-                step = wp.min(step, wp.float64(p.cfl) * dx / speed)
-            if viscosity > wp.float64(0.0):
-                step = wp.min(step, dx * dx / (wp.float64(2.0) * viscosity))
-            dt_exact[r] = step
-            dt[r] = Real(step)
-            max_speed[r] = Real(0.0)
-            max_viscosity[r] = Real(0.0)
+        if active[r] == 0:
+            return
+        p = params[r]
+        dx = wp.float64(p.dx)
+        speed = wp.float64(max_speed[r])
+        viscosity = wp.float64(p.xi_max) * wp.float64(max_viscosity[r])
+        step = times[output[r]] - t[r]
+        if speed != wp.float64(0.0):  # true of a NaN too, which must not be taken for a run at rest
+            step = wp.min(step, wp.float64(p.cfl) * dx / speed)
+        if viscosity > wp.float64(0.0):
+            step = wp.min(step, dx * dx / (wp.float64(2.0) * viscosity))
+        dt_exact[r] = step
+        dt[r] = Real(step)
+        max_speed[r] = Real(0.0)
+        max_viscosity[r] = Real(0.0)
 
-    return TimeStep(limits, time_step)
+    return time_step

@@ -3,6 +3,7 @@
 from typing import Any
 
 import warp as wp
+
 from warpgran.kernels.precision import Ints, Variant, precision
 from warpgran.kernels.ranges import end_of, first_of, run_of
 

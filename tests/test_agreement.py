@@ -6,61 +6,55 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases import drawn, small
+from cases import ENGINES, Ran, drawn, ran, small
 
 from warpgran.case import Case
-from warpgran.engines import Engine, NumPyEngine, WarpEngine
+from warpgran.reference import decode
 from warpgran.schema import Status
 
 
-def finished(engine: Engine, t: float) -> Engine:
-    engine.advance(t, lambda: True)
-    return engine
-
-
-def differences(case: Case, a: Engine, b: Engine) -> np.ndarray:
-    """Largest differences of h/h0, v/sqrt(g h0) and phi."""
+def differences(case: Case, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Largest differences of h/h0, v/sqrt(g h0) and phi; a and b are (3, ...)."""
     scales = case.column.height, np.sqrt(9.81 * case.column.height), 1.0
-    both = zip(a.profiles(), b.profiles(), scales, strict=True)
-    return np.array([np.abs(p[0] - q[0]).max() / scale for p, q, scale in both])
+    return np.array([np.abs(p - q).max() / scale for p, q, scale in zip(a, b, scales, strict=True)])
+
+
+def fields(done: Ran, case: Case) -> np.ndarray:
+    """h, v, phi of the last state, by the decoding of the reference."""
+    return np.stack(decode(done.U, case))
 
 
 @pytest.mark.parametrize("seed", range(24))
 def test_kernels_agree_with_numpy_over_100_steps_of_any_option(seed: int) -> None:
     case = drawn(seed)
-    kernels, reference = finished(WarpEngine([case]), 10.0), finished(NumPyEngine([case]), 10.0)
+    kernels, reference = (ran(engine, case) for engine in ENGINES)
     assert kernels.steps == reference.steps == 100
     assert kernels.status == reference.status == Status.STEP_LIMIT
-    assert differences(case, kernels, reference).max() <= 1e-11
-    assert np.abs(kernels.profiles()[1][0]).max() > 1e-6  # something moved
+    assert differences(case, fields(kernels, case), fields(reference, case)).max() <= 1e-11
+    assert np.abs(fields(kernels, case)[1]).max() > 1e-6  # something moved
 
 
 @pytest.fixture(scope="module")
 def collapse() -> Case:
-    return small(**{"grid.cells": 800, "time.end": 0.3, "time.snapshots": [0.1, 0.3]})
+    return small(**{"grid.cells": 800})
+
+
+def recorded(done: Ran) -> np.ndarray:
+    return np.stack((done.h, done.v, done.phi))
 
 
 def test_whole_collapse_agrees_with_numpy(collapse: Case) -> None:
-    kernels, reference = WarpEngine([collapse]), NumPyEngine([collapse])
-    for t in (0.1, 0.3):
-        finished(kernels, t)
-        finished(reference, t)
+    kernels, reference = (ran(engine, collapse, [0.1, 0.3]) for engine in ENGINES)
     assert kernels.steps == reference.steps
-    assert kernels.t == reference.t == 0.3
-    assert differences(collapse, kernels, reference).max() <= 1e-10
+    assert kernels.end_time == reference.end_time == 0.3
+    assert differences(collapse, recorded(kernels), recorded(reference)).max() <= 1e-10
+    for name, value in reference.scalars.items():
+        assert kernels.scalars[name] == pytest.approx(value, rel=1e-10), name
 
 
 def test_float32_agrees_with_float64(collapse: Case) -> None:
-    single, double = finished(WarpEngine([collapse], precision="float32"), 0.3), finished(WarpEngine([collapse]), 0.3)
-    assert 0.0 < differences(collapse, single, double).max() <= 1e-4
-
-
-def test_scalars_of_kernels_agree_with_numpy(collapse: Case) -> None:
-    kernels, reference = finished(WarpEngine([collapse]), 0.1), finished(NumPyEngine([collapse]), 0.1)
-    ours, theirs = kernels.scalars(), reference.scalars()
-    assert ours.keys() == theirs.keys()
-    for name, value in theirs.items():
-        assert ours[name] == pytest.approx(value, rel=1e-10), name
+    single, double = (ran("kernels", collapse, [0.3], precision) for precision in ("float32", "float64"))
+    assert 0.0 < differences(collapse, recorded(single), recorded(double)).max() <= 1e-4
 
 
 WET_BED = {"scheme.h_bed": 1e-5}
@@ -79,21 +73,17 @@ TABLE: list[tuple[str, float, dict[str, Any], list[tuple[float, int | None, str]
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("engine", [WarpEngine, NumPyEngine])
+@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("angle", "changes", "rows"), [row[1:] for row in TABLE], ids=[row[0] for row in TABLE])
 def test_numbers_of_an_independent_implementation(
-    engine: Any, angle: float, changes: dict[str, Any], rows: list[tuple[float, int | None, str]]
+    engine: str, angle: float, changes: dict[str, Any], rows: list[tuple[float, int | None, str]]
 ) -> None:
     grid = {"grid.right": 0.6, "grid.cells": 800} if angle == 0.0 else {"grid.right": 1.4, "grid.cells": 1600}
-    times = [t for t, _, _ in rows]
-    case = Case().with_(
-        **{"slope.angle": angle, "time.end": times[-1], "time.snapshots": times, "time.series": [], **grid, **changes}
-    )
-    run = engine([case])
-    volume = run.scalars()["volume"][0]
-    for t, steps, expected in rows:
-        finished(run, t)
-        now = {name: value[0] for name, value in run.scalars().items()}
-        change = 100 * (now["volume"] / volume - 1)
-        assert f"{100 * now['h_max']:.3f} {100 * now['front']:.2f} {now['v_flow']:.5f} {change:.2f}" == expected
-        assert steps is None or run.steps == steps
+    case = Case().with_(**{"slope.angle": angle, **grid, **changes})
+    done = ran(engine, case, [0.0, *(t for t, _, _ in rows)])
+    scalars = done.scalars
+    for k, (_, steps, expected) in enumerate(rows, start=1):
+        change = 100 * (scalars["volume"][k] / scalars["volume"][0] - 1)
+        cm = 100 * scalars["h_max"][k], 100 * scalars["front"][k]
+        assert f"{cm[0]:.3f} {cm[1]:.2f} {scalars['v_flow'][k]:.5f} {change:.2f}" == expected
+        assert steps is None or done.steps == steps

@@ -44,6 +44,7 @@ def test_defaults_are_the_papers_table_1_and_the_schemes() -> None:
         "time.snapshots": [0.36, 0.72, 1.08, 1.44, 1.8],
         "time.series": {"every": 0.01},
         "time.rest_speed": 1e-3,
+        "time.stop_at_rest": False,
         "time.step_limit": 10_000_000,
         "scheme.alpha": 2.0,
         "scheme.lambda": 0.0,

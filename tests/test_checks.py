@@ -159,9 +159,10 @@ def test_unknown_sections_and_names_with_dots() -> None:
     assert "not a table" in problems(lambda: Case.from_dict([1]))[""]  # type: ignore[arg-type]
 
 
-def test_sweeps_are_refused_in_plain_words() -> None:
+def test_a_sweep_is_no_case() -> None:
     found = problems(lambda: Case.from_dict({"sweep": {"mode": "product"}}))
-    assert found == {"sweep": "sweeps are not available in this version; take the section out"}
+    message = "is a sweep of several runs, and a case is one; read such a file with warpgran.read_study"
+    assert found == {"sweep": message}
 
 
 # Between keys

@@ -50,7 +50,7 @@ def test_run_writes_a_file_and_a_picture_and_says_so(folder: Path) -> None:
     assert result.exit_code == 0, result.output
     assert result.stdout.splitlines()[-1] == "wrote quick.h5 and quick.png"
     assert "million cell-steps" in result.stdout
-    assert all(word in result.stdout for word in ("Quick", "front (m)", "max h (cm)", "volume (%)", "stop (s)"))
+    assert all(word in result.stdout for word in ("Quick", "front", "max h", "volume", "stop"))
     assert result.stderr == ""  # no progress bar where there is no terminal
     assert names(folder) == ["quick.h5", "quick.png", "quick.toml"]
     data = wg.open_dataset("quick.h5")
@@ -174,7 +174,7 @@ def test_debug_shows_the_traceback(folder: Path) -> None:
     assert isinstance(warpgran("--debug", "run", "absent.toml").exception, wg.CaseError)
 
 
-LONG = QUICK.replace("end = 0.2", "end = 1000.0").replace("every = 0.05 }", "every = 0.05 }\nseries = { every = 0.5 }")
+LONG = QUICK.replace("end = 0.2", "end = 100000.0").replace("every = 0.05 }", "every = 1.0 }\nseries = []")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends a POSIX signal")
@@ -182,7 +182,7 @@ def test_an_interrupted_run_keeps_what_it_had(folder: Path) -> None:
     (folder / "long.toml").write_text(LONG)
     command = [sys.executable, "-c", "from warpgran.cli import main; main()", "run", "long.toml", "--no-picture"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
-        while not list(folder.glob("long.h5.*.part")):
+        while not (folder / "long.h5.part").exists():
             time.sleep(0.05)
         time.sleep(3.0)
         process.send_signal(signal.SIGINT)
@@ -194,5 +194,5 @@ def test_an_interrupted_run_keeps_what_it_had(folder: Path) -> None:
     assert int(data["status"][0]) == Status.INTERRUPTED
     reached = float(data["end_time"][0])
     stored = data["time"][data["h"][0].notnull().all("cell")]
-    assert 1.0 < reached < 1000.0
-    assert reached - 0.2 < float(stored[-1]) <= reached
+    assert 10.0 < reached < 100_000.0
+    assert reached - 2.0 < float(stored[-1]) <= reached

@@ -9,7 +9,8 @@ from typing import Any
 
 from warpgran.case import Case
 from warpgran.runfile import plain
-from warpgran.sections import ALLOWED, SECTIONS
+from warpgran.sections import ALLOWED, SECTIONS, Model
+from warpgran.sweep import Sweep
 
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -34,7 +35,8 @@ def rows_of_keys() -> dict[str, list[str]]:
 def defaults() -> dict[str, Any]:
     """The models' defaults by dotted key; None for one that follows another key."""
     values: dict[str, Any] = {"title": Case().title}
-    for section, model in SECTIONS.items():
+    sections: dict[str, type[Model]] = {**SECTIONS, "sweep": Sweep}
+    for section, model in sections.items():
         for name, key in model.keys().items():
             values[f"{section}.{key}"] = plain(model.model_fields[name].default)
     return values
@@ -54,10 +56,11 @@ def test_every_key_is_documented_with_its_default() -> None:
 
 def test_what_is_allowed_is_what_the_errors_say() -> None:
     rows = rows_of_keys()
+    words = ALLOWED | Sweep.allowed()
     for key in defaults():
-        if ALLOWED[key]:
+        if words[key]:
             _, allowed, unit = rows[key]
-            assert ALLOWED[key] == (f"{allowed}, in {unit}" if unit else allowed)
+            assert words[key] == (f"{allowed}, in {unit}" if unit else allowed)
 
 
 def test_every_dependency_is_explained() -> None:

@@ -1,4 +1,4 @@
-"""The figures, on results made by hand: a cap of material that slides and spreads."""
+"""The figure of one run, on results made by hand."""
 
 from __future__ import annotations
 
@@ -9,102 +9,17 @@ import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
+from collapses import collapse, two_runs
 from matplotlib.figure import Figure
 from PIL import Image
 
 from warpgran import figures
-
-CASE = """
-title = "Dense column, 22 degrees"
-[rheology]
-mu1 = 0.48
-mu2 = 0.73
-I0 = 0.279
-grain_diameter = 7e-4
-K = 4.09
-K_tilde = 0.2
-phi_stat = 0.582
-phi_eq = "f2"
-phi_eq_N = 1.0
-mu_wall = 0.0
-channel_width = 0.2
-[slope]
-angle = 22.0
-[column]
-height = 0.14
-length = 0.2
-phi = 0.62
-start = -0.2
-[grid]
-left = -0.2
-right = 1.0
-cells = 240
-[time]
-end = 0.9
-rest_speed = 1e-3
-[scheme]
-h_min = 7e-4
-h_front = 1e-3
-left = "wall"
-right = "open"
-"""
-
-
-def collapse(cells: int = 240, snapshots: int = 4, samples: int = 100, runs: int = 1) -> xr.Dataset:
-    """A parabolic cap that spreads from 0.2 m to 0.8 m and comes to rest after 0.6 s, in every run alike."""
-    x = -0.2 + 1.2 * (np.arange(cells) + 0.5) / cells
-    time, series_time = np.linspace(0.0, 0.9, snapshots), np.linspace(0.0, 0.9, samples)
-
-    def length(t: np.ndarray) -> np.ndarray:
-        return 0.2 + 0.6 * np.sin(np.pi / 2 * np.clip(t / 0.6, 0, 1)) ** 2
-
-    def speed(t: np.ndarray) -> np.ndarray:
-        return 0.6 * np.pi / 1.2 * np.sin(np.pi * np.clip(t / 0.6, 0, 1))
-
-    s = (x + 0.2) / length(time)[:, None]
-    phi = np.clip(0.62 - 0.06 * s, 0.5, 0.62)
-    h = 0.042 / length(time)[:, None] * np.clip(1 - s**2, 0, None) * 0.62 / phi
-    v = np.where(h > 0, speed(time)[:, None] * s, 0.0)
-    series = {
-        "front": -0.2 + length(series_time),
-        "front_speed": speed(series_time),
-        "h_max": 0.042 / length(series_time),
-        "v_max": speed(series_time),
-        "volume_change": 0.05 * (1 - np.exp(-series_time / 0.2)),
-        "mass": np.full(samples, 0.017),
-        "energy": 1e-3 * np.exp(-series_time),
-    }
-    variables: dict[str, Any] = {
-        "x": ("cell", x),
-        "bed": ("cell", np.zeros(cells)),
-        "time": ("time", time),
-        "series_time": ("sample", series_time),
-        "status": ("run", np.full(runs, "ok", dtype=object)),
-        "steps": ("run", np.full(runs, 1000)),
-        "stop_time": ("run", np.full(runs, 0.6)),
-    }
-    variables |= {k: (("run", "time", "cell"), np.stack([f] * runs)) for k, f in {"h": h, "v": v, "phi": phi}.items()}
-    variables |= {k: (("run", "sample"), np.stack([f] * runs)) for k, f in series.items()}
-    return xr.Dataset(variables, attrs={"case_toml": CASE})
+from warpgran.drawing import one_run
 
 
 def page(data: xr.Dataset, run: int = 0) -> Figure:
     """The page before it is written."""
-    return figures._page(figures._one_run(data, run))
-
-
-def two_runs() -> xr.Dataset:
-    """Two runs at 0 and -12.5 degrees on a bump; the second diverged at two thirds."""
-    data = collapse(snapshots=12, runs=2)
-    data = data.assign_coords({"slope.angle": ("run", [0.0, -12.5]), "column.length": ("run", [0.2, 0.25])})
-    data["bed"] = "cell", 0.05 * np.exp(-(((data["x"].values - 0.3) / 0.1) ** 2))
-    for name in ("h", "v", "phi"):
-        data[name][1, 8:] = np.nan
-    for name in ("front", "front_speed", "h_max", "v_max", "volume_change"):
-        data[name][1, 66:] = np.nan
-    data["status"] = "run", np.array([0, 1]), {"flag_values": np.array([0, 1]), "flag_meanings": "ok diverged"}
-    data["stop_time"][1] = np.nan
-    return data
+    return figures._page(one_run(data, run))
 
 
 def heading(figure: Figure) -> str:
@@ -196,7 +111,7 @@ def test_grids_that_differ_are_drawn_without_their_padding() -> None:
     x, bed = (np.stack([data[name].values] * 2) for name in ("x", "bed"))
     x[1, 100:] = bed[1, 100:] = np.nan
     data = data.assign(x=(("run", "cell"), x), bed=(("run", "cell"), bed))
-    assert figures._one_run(data, 1).sizes["cell"] == 100
+    assert one_run(data, 1).sizes["cell"] == 100
     assert len(page(data, 1).axes) == 8
 
 
@@ -231,37 +146,18 @@ def test_drawing_leaves_matplotlib_as_it_was(tmp_path: Path) -> None:
     assert dict(matplotlib.rcParams) == before
 
 
-def test_animation_has_a_frame_for_each_snapshot_that_the_run_reached(tmp_path: Path) -> None:
-    path = figures.animate(two_runs(), tmp_path / "collapse.gif", run=1, dpi=40)
-    assert [path] == list(tmp_path.iterdir())
-    with Image.open(path) as film:
-        assert getattr(film, "n_frames", 1) == 8
-        assert film.width % 2 == 0
-        assert film.height % 2 == 0
+def test_long_headings_are_broken_between_facts_and_fit_the_page(tmp_path: Path) -> None:
+    data = two_runs().assign_coords({f"rheology.key{n}": ("run", [0.1, 0.2]) for n in range(9)})
+    data.attrs["case_toml"] = data.attrs["case_toml"].replace("Dense column", "Dense column " * 9)
+    figure = page(data, 1)
+    figure.canvas.draw()
+    title = figure.texts[0].get_window_extent()
+    assert title.x0 >= 0
+    assert title.x1 <= figure.bbox.x1
+    assert all(line.endswith(("°", ",", "diverged")) or "=" not in line for line in heading(figure).splitlines())
 
 
-def test_scene_tilts_the_slope_and_keeps_its_colours() -> None:
-    data = figures._one_run(collapse(), 0)
-    scene = figures.Scene(data, 50)
-    limits = scene.material.get_clim()
-    scene.show(1)
-    bottom_left, bottom_right, _, top_left = np.asarray(scene.material.get_paths()[0].vertices)[:4]
-    theta, height = np.deg2rad(22.0), 0.042 / 0.5
-    np.testing.assert_allclose(bottom_left, [-0.2 * np.cos(theta), 0.2 * np.sin(theta)])
-    np.testing.assert_allclose(bottom_right - bottom_left, 0.005 * np.array([np.cos(theta), -np.sin(theta)]))
-    np.testing.assert_allclose(top_left - bottom_left, height * np.array([np.sin(theta), np.cos(theta)]), rtol=1e-3)
-    assert scene.ax.get_aspect() == 1
-    assert scene.ax.get_title(loc="left") == "$t$ = 0.300 s"
-    assert len(scene.ax.lines) == 1  # the wall on the left alone
-    assert scene.material.get_clim() == limits
-
-
-def test_animate_refuses_what_it_cannot_draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(ValueError, match=r"time\.snapshots = \{ every = 0\.02 \}"):
-        figures.animate(collapse(snapshots=1), tmp_path / "collapse.gif")
-    with pytest.raises(ValueError, match=r"\.gif, \.mp4"):
-        figures.animate(collapse(), tmp_path / "collapse.avi")
-    monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: False)
-    with pytest.raises(ValueError, match=r"install it, or choose a name that ends in \.gif"):
-        figures.animate(collapse(), tmp_path / "collapse.mp4")
-    assert not list(tmp_path.iterdir())
+def test_a_run_that_came_to_rest_did_not_end_early() -> None:
+    data = collapse()
+    data["status"][0] = "at_rest"
+    assert "ended" not in heading(page(data))

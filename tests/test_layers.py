@@ -18,17 +18,29 @@ LAYERS = [
     {"checks"},
     {"runfile"},
     {"case"},
-    {"state", "results", "device", "derived"},
-    {"solver", "storage", "figures"},
-    {"engines"},
-    {"simulation"},
+    {"sweep", "outputs", "device"},
+    {"state"},
+    {"solver"},
+    {"engines", "blocks"},
+    {"results"},
+    {"storage", "simulation"},
+    {"cluster", "jobs", "merging", "summary", "derived"},
+    {"keys"},
+    {"drawing"},
+    {"figures", "animation", "batch_figures"},
     {"__init__", "cli"},
 ]
+# The one way up, and only when it is called: Case.sweep, a shorthand for warpgran.sweep.sweep that needs no import.
+UPWARD_WHEN_CALLED = {("case", "warpgran.sweep")}
 
 
-def imports(path: Path, typing_too: bool = False) -> set[str]:
+def imports(path: Path, typing_too: bool = False, when_called: bool = True) -> set[str]:
     """Top-level names that a file imports, warpgran's own modules as warpgran.NAME."""
     tree = ast.parse(path.read_text())
+    if not when_called:
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                node.body = []
     if not typing_too:
         for node in ast.walk(tree):
             if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
@@ -57,8 +69,9 @@ def test_layers_import_downward() -> None:
     files = {path.stem for path in (ROOT / "warpgran").glob("*.py")}
     assert files <= level.keys(), "a new module needs its layer here"
     for name in files:
+        at_once = imports(ROOT / "warpgran" / f"{name}.py", when_called=False)
         for other in imports(ROOT / "warpgran" / f"{name}.py"):
-            if other.startswith("warpgran."):
+            if other.startswith("warpgran.") and (other in at_once or (name, other) not in UPWARD_WHEN_CALLED):
                 assert level[other.removeprefix("warpgran.")] < level[name], f"{name} imports {other}"
 
 

@@ -9,7 +9,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import PrivateAttr, StrictStr, ValidationError, model_validator
@@ -21,11 +21,14 @@ from warpgran.sections import ALLOWED, SECTIONS, Array, Column, Every, Grid, Mod
 from warpgran.tables import TableError, read_bed, read_profile
 from warpgran.times import output_times, sample_times, snapshot_times
 
+if TYPE_CHECKING:
+    from warpgran.sweep import Study
+
 __all__ = ["Case", "CaseError", "Column", "Every", "Grid", "Problem", "Rheology", "Scheme", "Slope", "Time"]
 
 
 class Case(Model):
-    """One run. Make it with `from_toml` or `from_dict`, change it with `with_`.
+    """One run. Make it with `from_toml` or `from_dict`, change it with `with_`, make many of it with `sweep`.
 
     Attributes:
         title: A line for people.
@@ -107,13 +110,31 @@ class Case(Model):
         problems = [problem for key, value in changes.items() if (problem := put(data, key, value))]
         return self._checked(data, problems, self._folder, self._source)
 
+    def sweep(
+        self, over: Mapping[str, Any], *, mode: str = "product", samples: int | None = None, seed: int = 1
+    ) -> Study:
+        """Many cases out of this one: `case.sweep({"slope.angle": [0, 10, 16, 22]})`.
+
+        Args:
+            over: By dotted key a list of values (product, zip) or `{"low": a, "high": b}` (latin, sobol).
+            mode: product, zip, latin or sobol, as in the `[sweep]` section of a run file.
+            samples: Number of runs for latin and sobol.
+            seed: Of the samples.
+
+        Raises:
+            CaseError: With all that is wrong with the sweep or with any of its runs.
+        """
+        from warpgran.sweep import sweep
+
+        return sweep(self, over, mode=mode, samples=samples, seed=seed)
+
     @classmethod
     def _checked(cls, data: Any, problems: list[Problem], folder: Path, source: str = "", where: str = "") -> Case:
         """A case, or all that is wrong with the data beside the problems already found."""
         if not isinstance(data, Mapping):
             raise CaseError([Problem("", f"{shown(data)} is not a table of sections")], where)
         data = given(data)
-        problems = [*problems, *_misplaced(data), *_read_tables(data, folder)]
+        problems = [*problems, *_misplaced(data), *read_tables(data, folder)]
         # What depends on several keys can be judged only where those are valid: take out the others and look again.
         for _ in range(2):
             bad = {_field(problem.key) for problem in problems if problem.key}
@@ -245,11 +266,12 @@ def _misplaced(data: dict[str, Any]) -> list[Problem]:
         problems.append(Problem(f'"{key}"', f"unknown key; write {name} under [{section}]"))
     if "sweep" in data:
         del data["sweep"]
-        problems.append(Problem("sweep", "sweeps are not available in this version; take the section out"))
+        message = "is a sweep of several runs, and a case is one; read such a file with warpgran.read_study"
+        problems.append(Problem("sweep", message))
     return problems
 
 
-def _read_tables(data: dict[str, Any], folder: Path) -> list[Problem]:
+def read_tables(data: dict[str, Any], folder: Path) -> list[Problem]:
     """Put tables in place of their paths, which start from the folder, and tell of those that cannot be read."""
     problems = []
     for section, key, read in (("slope", "bed", read_bed), ("column", "profile", read_profile)):

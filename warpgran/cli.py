@@ -6,13 +6,15 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 if TYPE_CHECKING:
-    from warpgran.case import Case
-    from warpgran.results import Results
+    import xarray as xr
+
+    from warpgran.simulation import Outcome
+    from warpgran.sweep import Study
 
 app = typer.Typer(
     name="warpgran",
@@ -28,7 +30,8 @@ ResultArgument = Annotated[Path, typer.Argument(metavar="OUT.h5", help="Result f
 SetOption = Annotated[
     list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the run file; repeatable.")
 ]
-RunOption = Annotated[int, typer.Option("--run", min=0, help="Which run of the file.")]
+PrecisionOption = Annotated[Literal["float64", "float32"], typer.Option(help="Of the kernels.")]
+OutputOption = Annotated[Path | None, typer.Option("-o", "--output", help="File to write; default: beside it.")]
 
 
 def main() -> None:
@@ -52,53 +55,67 @@ def run(
         Path | None, typer.Option("-o", "--output", metavar="OUT.h5", help="Default: the run file's name, here.")
     ] = None,
     device: Annotated[str, typer.Option(help="cpu, cuda or cuda:N.")] = "cpu",
-    precision: Annotated[Literal["float64", "float32"], typer.Option(help="Of the kernels.")] = "float64",
+    precision: PrecisionOption = "float64",
     engine: Annotated[Literal["warp", "numpy"], typer.Option(help="Kernels, or the NumPy reference.")] = "warp",
     set_: SetOption = None,
+    threads: Annotated[int | None, typer.Option(help="Blocks of runs at once; default: all cores.")] = None,
+    memory: Annotated[
+        str | None, typer.Option(metavar="SIZE", help="For the runs being computed, as 4GB; default: a quarter.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Compute only what an earlier start left out.")] = False,
+    shard: Annotated[
+        str | None, typer.Option(metavar="I/N", help="Compute the I-th of N shares; `warpgran merge` joins them.")
+    ] = None,
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the result beside the file.")] = True,
 ) -> None:
     """Compute a run file: an HDF5 file, a picture and a short table."""
     with _errors():
-        from warpgran import storage
-        from warpgran.case import Case
-        from warpgran.simulation import compute
+        from warpgran.jobs import exit_status, run_to_file
+        from warpgran.simulation import Options
+        from warpgran.storage import open_dataset
+        from warpgran.sweep import read_study
 
-        case = Case.from_toml(file, set_ or ())
-        path = output or Path(f"{file.stem}.h5")
+        how = Options(device, precision, engine, threads, _bytes(memory))
+        study = read_study(file, set_ or ())
+        share, suffix = _share(shard, len(study))
+        path = output or Path(f"{file.stem}{suffix}.h5")
         if engine == "warp":
-            from warpgran.device import start_quietly
+            from warpgran.device import find_device, start_quietly
 
             start_quietly()
-        with storage.replacing(path) as part:
-            with _progress(case) as progress:
-                results, failures = compute(
-                    [case], device=device, precision=precision, engine=engine, progress=progress
-                )
-            storage.write(results, part)
+            find_device(device)
+        with _progress(study, len(share)) as progress:
+            outcome = run_to_file(study, path, how, runs=share, resume=resume, progress=progress)
+        data = open_dataset(path)
         written = [str(path)]
-        if picture and _worth_drawing(results):
-            from warpgran.figures import plot
-
-            written.append(str(plot(storage.open_dataset(path), path.with_suffix(".png"))))
-    for failure in failures:
-        typer.echo(f"warpgran: {failure}", err=True)
-    _table(results)
-    _say_speed(results)
+        if picture and _worth_drawing(data):
+            written.append(str(_draw(data, path.with_suffix(".png"), None)))
+    for number, words in sorted(outcome.failures.items()):
+        typer.echo(f"warpgran: run {number} {_values(study, number)}{words}", err=True)
+    _tell(study, data, outcome)
     typer.echo(f"wrote {' and '.join(written)}")
-    raise typer.Exit(_exit_status(results))
+    raise typer.Exit(exit_status(data["status"].values))
 
 
 @app.command()
-def check(file: FileArgument, set_: SetOption = None) -> None:
+def check(file: FileArgument, precision: PrecisionOption = "float64", set_: SetOption = None) -> None:
     """Check a run file and say what it asks for, without running it."""
     with _errors():
-        from warpgran.case import Case
+        from warpgran.results import Layout
+        from warpgran.state import bytes_of_run
+        from warpgran.sweep import read_study
 
-        case = Case.from_toml(file, set_ or ())
-    snapshots, samples, cells = len(case.snapshot_times), len(case.sample_times), case.grid.cells
+        study = read_study(file, set_ or ())
+        layout = Layout(study)
+        cell_steps = sum(_steps(case) * case.grid.cells for case in study)
+        per_run = 8 * sum(_product(column.shape) for column in layout.columns.values())
+    case, outputs = study.base, layout.outputs
     typer.echo(f"{file}: {case.title or 'untitled'}")
-    typer.echo(f"{cells} cells of {case.dx * 1e3:.4g} mm, t = {case.time.end:g} s, {_steps(case)} steps or more")
-    typer.echo(f"{snapshots} snapshots and {samples} samples, a file of about {_size(24 * snapshots * cells)}")
+    typer.echo(f"{len(study)} {'run' if len(study) == 1 else 'runs'}{_over(study)}")
+    typer.echo(f"{layout.cells} cells of {case.dx * 1e3:.4g} mm, t = {case.time.end:g} s, {_steps(case)} steps or more")
+    typer.echo(f"{outputs.snapshots} snapshots and {outputs.samples} samples")
+    typer.echo(f"{cell_steps:.3g} cell-steps or more, {_size(bytes_of_run(layout.cells, outputs, precision))} a run in")
+    typer.echo(f"memory, a file of {_size(per_run * len(study))} before compression")
 
 
 @app.command()
@@ -122,30 +139,71 @@ def info() -> None:
 @app.command()
 def plot(
     file: ResultArgument,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="PNG, PDF or SVG; default: beside it.")] = None,
-    run: RunOption = 0,
+    output: OutputOption = None,
+    run: Annotated[int | None, typer.Option("--run", min=0, help="One run of a batch; default: all together.")] = None,
 ) -> None:
-    """Draw profiles at the snapshots, and the series beside them."""
+    """Draw one run (profiles at the snapshots, series beside them), or a batch against what was swept."""
     with _errors():
-        from warpgran import figures, storage
+        from warpgran.storage import open_dataset
 
-        made = figures.plot(storage.open_dataset(file), output or file.with_suffix(".png"), run=run)
+        made = _draw(open_dataset(file), output or file.with_suffix(".png"), run)
     typer.echo(f"wrote {made}")
 
 
 @app.command()
 def animate(
     file: ResultArgument,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="GIF or MP4; default: a GIF beside it.")] = None,
-    run: RunOption = 0,
+    output: OutputOption = None,
+    run: Annotated[int, typer.Option("--run", min=0, help="Which run of the file.")] = 0,
     fps: Annotated[int, typer.Option(min=1, max=60, help="Snapshots shown a second.")] = 12,
 ) -> None:
-    """Draw the collapse on its slope, coloured by the volume fraction, as a film of the snapshots."""
+    """Draw the collapse on its slope, coloured by the volume fraction, as a film (GIF or MP4) of the snapshots."""
     with _errors():
-        from warpgran import figures, storage
+        from warpgran.animation import animate
+        from warpgran.storage import open_dataset
 
-        made = figures.animate(storage.open_dataset(file), output or file.with_suffix(".gif"), run=run, fps=fps)
+        made = animate(open_dataset(file), output or file.with_suffix(".gif"), run=run, fps=fps)
     typer.echo(f"wrote {made}")
+
+
+@app.command()
+def summary(
+    file: ResultArgument,
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table, a row a run, for pandas or R.")] = None,
+) -> None:
+    """Print a table with a row a run."""
+    with _errors():
+        from warpgran.storage import open_dataset
+        from warpgran.summary import summary, write_csv
+
+        frame = summary(open_dataset(file))
+        if csv:
+            typer.echo(f"wrote {write_csv(frame, csv)}")
+        else:
+            _print(frame)
+
+
+@app.command()
+def merge(
+    output: Annotated[Path, typer.Argument(metavar="OUT.h5", help="File to write.")],
+    shards: Annotated[list[Path], typer.Argument(metavar="SHARD.h5...", help="Files that --shard wrote.")],
+) -> None:
+    """Join the shares of a study."""
+    with _errors():
+        from warpgran.merging import merge
+
+        runs = merge(shards, output)
+    typer.echo(f"wrote {output}, {runs} runs")
+
+
+def _draw(data: xr.Dataset, path: Path, run: int | None) -> Path:
+    if run is None and data.sizes["run"] > 1:
+        from warpgran.batch_figures import plot_batch
+
+        return plot_batch(data, path)
+    from warpgran.figures import plot
+
+    return plot(data, path, run=run or 0)
 
 
 @contextmanager
@@ -156,7 +214,7 @@ def _errors() -> Iterator[None]:
 
     try:
         yield
-    except (CaseError, StorageError, ValueError, OSError) as error:
+    except (CaseError, StorageError, ValueError, OSError, MemoryError) as error:
         if _debug:
             raise
         for line in str(error).splitlines():
@@ -165,75 +223,105 @@ def _errors() -> Iterator[None]:
 
 
 @contextmanager
-def _progress(case: Case) -> Iterator[Callable[[float], None]]:
-    """A progress bar in simulated time on standard error; nothing where that is no terminal."""
+def _progress(study: Study, runs: int) -> Iterator[Callable[[float], None]]:
+    """A progress bar on standard error, in simulated time for one run; nothing where that is no terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("t = {task.completed:.3f} of {task.total:g} s"),
-    )
-    with Progress(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal) as bar:
-        task = bar.add_task("preparing kernels", total=case.time.end)
+    end = study.base.time.end
+    per_run, form = (end, f"t = {{task.completed:.3f}} of {end:g} s") if runs == 1 else (1.0, "{task.completed:.0f} of "
+                                                                                         f"{runs} runs")  # fmt: skip
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn(form), TimeRemainingColumn())
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+        task = bar.add_task("preparing kernels", total=runs * per_run)
 
-        def show(t: float) -> None:
-            bar.update(task, completed=t, description=case.title or "computing")
+        def show(done: float) -> None:
+            bar.update(task, completed=done * per_run, description=study.base.title or "computing")
 
         yield show
 
 
-def _table(results: Results) -> None:
-    """The last value of each series that matters, a row a run."""
+def _tell(study: Study, data: xr.Dataset, outcome: Outcome) -> None:
+    """Table, speed, and how far an interrupted study got."""
+    from warpgran.storage import pending
+    from warpgran.summary import summary
+
+    if study.base.title:
+        typer.echo(study.base.title)
+    _print(summary(data))
+    if outcome.kernel_seconds > 0.0:
+        steps, seconds = outcome.cell_steps / 1e6, outcome.kernel_seconds
+        typer.echo(f"{steps:.1f} million cell-steps in {seconds:.3f} s: {steps / seconds:.1f} million a second")
+    if outcome.interrupted and pending(data["status"].values).any():
+        runs, t = data.sizes["run"], float(data["end_time"].max())
+        if runs == 1:
+            stored = int((data["time"] <= t).sum())
+            far = f"at t = {t:.4g} s of {study.base.time.end:g} s; {stored} of {data.sizes['time']} snapshots are"
+        else:
+            far = f"after {int((~pending(data['status'].values)).sum())} of {runs} runs, which are"
+        typer.echo(f"warpgran: interrupted {far} in the file; go on with --resume", err=True)
+
+
+def _print(frame: Any) -> None:
+    """A summary, at its full width where standard output is no terminal."""
     from rich.console import Console
-    from rich.table import Table
 
-    table = Table(title=results.cases[0].title or None, title_justify="left", box=None, padding=(0, 2, 0, 0))
-    for name in ("status", "t (s)", "front (m)", "max h (cm)", "volume (%)", "stop (s)", "steps"):
-        table.add_column(name, justify="right", no_wrap=True)
-    for r in range(len(results.cases)):
-        last = results.last_sample(r)
-        table.add_row(
-            results.status_word(r), f"{results.end_time[r]:.4g}", _number(last["front"], ".4f"),
-            _number(100 * last["h_max"], ".3f"), _number(100 * last["volume_change"], "+.2f"),
-            _number(results.stop_time[r], ".3g"), str(results.steps[r]),
-        )  # fmt: skip
-    Console().print(table)
+    from warpgran.summary import WIDTH, rich_table
+
+    terminal = Console()
+    width = terminal.width if terminal.is_terminal else WIDTH
+    Console(width=width).print(rich_table(frame, width=width))
 
 
-def _say_speed(results: Results) -> None:
-    steps, seconds = results.attributes["cell_steps"], results.attributes["kernel_seconds"]
-    if seconds > 0.0:
-        typer.echo(
-            f"{steps / 1e6:.1f} million cell-steps in {seconds:.3f} s: {steps / seconds / 1e6:.1f} million a second"
+def _values(study: Study, run: int) -> str:
+    """The swept values of a run, in brackets."""
+    return f"({', '.join(f'{key} = {study.values(key)[run]}' for key in study.keys)}) " if study.keys else ""
+
+
+def _over(study: Study) -> str:
+    return f" over {', '.join(study.keys)}" if study.keys else ""
+
+
+def _worth_drawing(data: xr.Dataset) -> bool:
+    return bool(data["front"].notnull().any() or data["h"].notnull().any())
+
+
+def _share(shard: str | None, runs: int) -> tuple[list[int], str]:
+    """The runs of a share, and what it adds to the file's name."""
+    if shard is None:
+        return list(range(runs)), ""
+    first, _, of = shard.partition("/")
+    if not (first.isdigit() and of.isdigit() and 1 <= int(first) <= int(of) <= runs):
+        raise ValueError(
+            f"shard: {shard!r} is not a share; allowed: I/N with 1 <= I <= N <= {runs}, the number of runs"
         )
+    return list(range(int(first) - 1, runs, int(of))), f".{int(first)}-of-{int(of)}"
 
 
-def _number(value: float, form: str) -> str:
-    return "-" if value != value else format(value, form)
+def _bytes(text: str | None) -> float | None:
+    """A size such as 500MB, 4GB or 1.5GiB in bytes."""
+    if text is None:
+        return None
+    number = text.rstrip("BbIi").rstrip()
+    unit = {"K": 3, "M": 6, "G": 9, "T": 12}.get(number[-1:].upper(), 0)
+    try:
+        return float(number[:-1] if unit else number) * 10.0**unit
+    except ValueError:
+        raise ValueError(f"memory: {text!r} is not a size; allowed: a number of bytes, or as 500MB, 4GB") from None
 
 
-def _worth_drawing(results: Results) -> bool:
-    return bool(results.time.size or results.series_time.size > 1)
-
-
-def _exit_status(results: Results) -> int:
-    from warpgran.schema import Status
-
-    if (results.status == Status.INTERRUPTED).any():
-        stored = int((results.time <= results.end_time.max()).sum())
-        message = f"interrupted at t = {results.end_time.max():.4g} s of {results.cases[0].time.end:g} s"
-        typer.echo(f"warpgran: {message}; {stored} of {results.time.size} snapshots are in the file", err=True)
-        return 130
-    return 0 if (results.status == Status.OK).all() else 1
-
-
-def _steps(case: Case) -> int:
+def _steps(case: Any) -> int:
     """Least number of steps: those of a mass at rest."""
     h, _ = case.initial_state()
     return int(case.time.end * (case.g_c * h.max()) ** 0.5 / (case.scheme.cfl * case.dx)) + 1
+
+
+def _product(shape: tuple[int, ...]) -> int:
+    result = 1
+    for n in shape:
+        result *= n
+    return result
 
 
 def _size(n: float) -> str:

@@ -49,6 +49,12 @@ def devices() -> list[tuple[str, str, float]]:
     return [(str(d), d.name, d.total_memory / 2**30 if d.is_cuda else _ram()) for d in wp.get_devices()]
 
 
+def memory_of(device: str) -> float:
+    """Bytes of memory of a device; of the machine for the cpu."""
+    found = wp.get_device(device)
+    return float(found.total_memory) if found.is_cuda else _ram() * 2**30
+
+
 def _ram() -> float:
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30

@@ -1,18 +1,27 @@
-"""What advances a batch in time: the Warp kernels, or the NumPy reference, behind the same few methods."""
+"""What computes a block of runs: the Warp kernels, or the NumPy reference. Both hand over the same `Finished`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from warpgran.case import Case
+from warpgran.outputs import Outputs
 from warpgran.reference import DRY, Reference
 from warpgran.schema import Status
 
+if TYPE_CHECKING:
+    from warpgran.solver import Solver
+
 Array = np.ndarray
+GoOn = Callable[[float], bool]
+"""Asked now and then, with the mean time reached [s], whether to go on."""
+
+SCALARS = ("front", "h_max", "v_max", "v_flow", "volume", "mass", "energy")
+"""What a sample holds: m, m, m/s, m/s, m2, m2, m4/s2."""
 
 
 @dataclass(frozen=True)
@@ -20,15 +29,13 @@ class Failure:
     """Where a run diverged.
 
     Attributes:
-        run: index in the batch.
-        time: of the last sound state, s.
-        step: the step that spoiled it.
-        cell: index, -1 if it is the time step that failed.
-        x: centre of the cell, m.
-        what: the value that is wrong.
+        time: Of the last sound state, s.
+        step: The step that spoiled it.
+        cell: Index, -1 if it is the time step that failed.
+        x: Centre of the cell, m.
+        what: The value that is wrong.
     """
 
-    run: int
     time: float
     step: int
     cell: int
@@ -37,36 +44,26 @@ class Failure:
 
     def __str__(self) -> str:
         where = f"in cell {self.cell} (x = {self.x:.6g} m)" if self.cell >= 0 else "in the time step"
-        return f"run {self.run} diverged after t = {self.time:.6g} s, at step {self.step}, {where}: {self.what}"
+        return f"diverged after t = {self.time:.6g} s, at step {self.step}, {where}: {self.what}"
 
 
-class Engine(Protocol):
-    """A batch of runs being advanced. Arrays are (runs,).
+@dataclass(frozen=True)
+class Finished:
+    """Runs that have ended. What was not recorded is NaN.
 
-    Whether a run has diverged is judged at output times alone, so that it does not depend on how the steps between
-    are grouped; the step where it happened is then looked for.
+    Attributes:
+        scalars: (runs, samples, len(SCALARS)).
+        profiles: h [m], v [m/s], phi of the snapshots, each (runs, snapshots, cells or more).
+        status, steps, end_time: Per run; codes of schema.Status, -, s.
+        failures: By run, those that have diverged.
     """
 
-    device: str
+    scalars: Array
+    profiles: tuple[Array, ...]
     status: Array
-    failures: list[Failure]
-
-    @property
-    def t(self) -> Array:
-        """Time of each run, s."""
-
-    @property
-    def steps(self) -> Array:
-        """Steps of each run."""
-
-    def advance(self, t_out: float, go_on: Callable[[], bool]) -> None:
-        """Bring every sound run to t_out [s]; go_on is asked now and then, and may say no."""
-
-    def profiles(self) -> Sequence[Sequence[Array]]:
-        """h [m], v [m/s], phi [-], for each an array a run."""
-
-    def scalars(self) -> dict[str, Array]:
-        """The scalars of the series."""
+    steps: Array
+    end_time: Array
+    failures: dict[int, Failure]
 
 
 def fault(U: Array) -> tuple[int, str] | None:
@@ -80,10 +77,10 @@ def fault(U: Array) -> tuple[int, str] | None:
     with np.errstate(invalid="ignore"):
         sound = finite & (U0 >= -DRY) & (~wet | ((U2 > 0.0) & (U2 <= U0)))
     bad = np.flatnonzero(~sound)
-    return (int(bad[0]), describe(*U[:, bad[0]])) if bad.size else None
+    return (int(bad[0]), _describe(*U[:, bad[0]])) if bad.size else None
 
 
-def describe(U0: float, U1: float, U2: float) -> str:
+def _describe(U0: float, U1: float, U2: float) -> str:
     """What is wrong with a state that is not sound."""
     if not np.isfinite([U0, U1, U2]).all():
         return f"not finite: phi h = {U0:g} m, phi h v = {U1:g} m2/s, phi^alpha h = {U2:g} m"
@@ -92,147 +89,135 @@ def describe(U0: float, U1: float, U2: float) -> str:
     return f"phi outside (0, 1]: phi^alpha h = {U2:g} m with phi h = {U0:g} m"
 
 
-class WarpEngine:
-    """The kernels, on any Warp device. Cases of one variant of the scheme make one batch on the device."""
+def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
+    """Compute cases in a solver that has room for them and is of their variant.
 
-    def __init__(self, cases: Sequence[Case], device: str = "cpu", precision: str = "float64") -> None:
-        from warpgran.solver import Solver, variant_of
-
-        self.cases = cases
-        self.device = device
-        self.status = np.full(len(cases), Status.OK, dtype=np.int8)
-        self.failures: list[Failure] = []
-        groups: dict[Any, list[int]] = {}
-        for r, case in enumerate(cases):
-            groups.setdefault(variant_of(case, precision), []).append(r)
-        self._solvers = [
-            (np.array(members), Solver([cases[r] for r in members], device=device, precision_name=precision))
-            for members in groups.values()
-        ]
-        for _, solver in self._solvers:
-            solver.prepare()
-
-    @property
-    def t(self) -> Array:
-        """Time of each run, s."""
-        return self._collect(lambda solver: solver.state.t.numpy())
-
-    @property
-    def steps(self) -> Array:
-        """Steps of each run."""
-        return self._collect(lambda solver: solver.state.steps.numpy())
-
-    def advance(self, t_out: float, go_on: Callable[[], bool]) -> None:
-        """Bring every sound run to t_out [s]; go_on is asked now and then, and may say no."""
-        for members, solver in self._solvers:
-            solver.start(t_out)
-            done = False
-            while not done:
-                done = solver.replay()
-                if not go_on():
-                    return
-            self._examine(members, solver)
-
-    def profiles(self) -> Sequence[Sequence[Array]]:
-        """h [m], v [m/s], phi [-], for each an array a run."""
-        out: list[list[Array]] = [[np.empty(0)] * len(self.cases) for _ in range(3)]
-        for members, solver in self._solvers:
-            for target, values in zip(out, solver.profiles(), strict=True):
-                for r, value in zip(members, values, strict=True):
-                    target[r] = value
-        return out
-
-    def scalars(self) -> dict[str, Array]:
-        """The scalars of the series."""
-        parts = [(members, solver.scalars()) for members, solver in self._solvers]
-        out = {name: np.empty(len(self.cases)) for name in parts[0][1]}
-        for members, values in parts:
-            for name, value in values.items():
-                out[name][members] = value
-        return out
-
-    def _collect(self, read: Callable[[Any], Array]) -> Array:
-        parts = [(members, read(solver)) for members, solver in self._solvers]
-        out = np.empty(len(self.cases), dtype=parts[0][1].dtype)
-        for members, values in parts:
-            out[members] = values
-        return out
-
-    def _examine(self, members: Array, solver: Any) -> None:
-        """Find the runs that have diverged on the way to an output time, bring them back to their last sound step."""
-        for i in solver.diverged():
-            r = int(members[i])
-            step, cell, state = solver.rewind(i)
-            t = float(solver.state.t.numpy()[i])
-            x, what = (float(self.cases[r].x[cell]), describe(*state)) if cell >= 0 else (np.nan, "dt is not positive")
-            self.failures.append(Failure(r, t, step, cell, x, what))
-        self.status[members] = solver.state.status.numpy()
-        solver.save()
+    Whether a run has diverged is judged at output times alone, so that it does not depend on how the steps between
+    are grouped; the step where it happened is then looked for.
+    """
+    solver.load(cases)
+    n, state = len(cases), solver.state
+    while not solver.replay():
+        if not go_on(float(state.t.numpy()[:n].mean())):
+            break
+    status = state.status.numpy()[:n].astype(np.int8)
+    status[state.active.numpy()[:n] != 0] = Status.INTERRUPTED
+    diverged = np.flatnonzero(status == Status.DIVERGED).tolist()
+    outputs = state.output.numpy()
+    precision, device = state.precision.name, str(solver.device)
+    failures = {r: _find_failure(cases[r], int(outputs[r]), precision, device) for r in diverged}
+    steps, end_time = state.steps.numpy()[:n].copy(), state.t.numpy()[:n].copy()
+    for r, failure in failures.items():
+        steps[r], end_time[r] = failure.step - 1, failure.time
+    profiles = tuple(field[:n] for field in state.recorded_profiles())
+    return Finished(state.recorded_scalars()[:n], profiles, status, steps, end_time, failures)
 
 
-class NumPyEngine:
-    """The reference implementation, one run after another."""
+def _find_failure(case: Case, output: int, precision: str, device: str) -> Failure:
+    """Compute a run alone, which gives the same bits, and look at every step on the way to the output it did not reach.
 
-    LOOK = 100  # steps between two questions whether to go on
+    Args:
+        case: One that diverges.
+        output: Index of the first output time at which it was not sound.
+        precision: "float64" or "float32".
+        device: A Warp device.
+    """
+    from warpgran.solver import Solver
 
-    def __init__(self, cases: Sequence[Case]) -> None:
-        self.device = "cpu"
-        self._runs = [Reference(case) for case in cases]
-        self.status = np.full(len(cases), Status.OK, dtype=np.int8)
-        self.failures: list[Failure] = []
+    alone = Solver.holding([case], precision_name=precision, device=device)
+    state = alone.state
+    t, found = 0.0, None
+    while not found:
+        t = float(state.t.numpy()[0])
+        ended = alone.replay(budget=1)
+        if int(state.output.numpy()[0]) >= output:
+            found = fault(np.stack([state.of_run(u, 0) for u in state.U]).astype(float))
+        if ended and not found:
+            found = -1, f"dt = {state.dt_exact.numpy()[0]:g} s"
+    cell, what = found
+    x = float(case.x[cell]) if cell >= 0 else float("nan")
+    return Failure(t, int(state.steps.numpy()[0]), cell, x, what)
 
-    @property
-    def t(self) -> Array:
-        """Time of each run, s."""
-        return np.array([run.t for run in self._runs])
 
-    @property
-    def steps(self) -> Array:
-        """Steps of each run."""
-        return np.array([run.steps for run in self._runs])
+def run_reference(cases: Sequence[Case], go_on: GoOn) -> Finished:
+    """Compute cases by the NumPy reference, one after another."""
+    return _joined([_run_one(case, go_on) for case in cases])
 
-    def advance(self, t_out: float, go_on: Callable[[], bool]) -> None:
-        """Bring every sound run to t_out [s]; go_on is asked now and then, and may say no."""
-        for r, run in enumerate(self._runs):
-            if self.status[r] != Status.OK:
-                continue
-            before = run.U, run.t, run.steps
-            dt = np.inf
-            while dt > 0.0 and run.t < t_out and run.steps < run.case.time.step_limit:
-                dt = self._step(run, t_out)
-                if run.steps % self.LOOK == 0 and not go_on():
-                    return
-            if run.t < t_out:
-                self.status[r] = Status.STEP_LIMIT
-            if not dt > 0.0 or fault(run.U):
-                run.U, run.t, run.steps = before
-                self._find_fault(r, run, t_out)
 
-    def profiles(self) -> Sequence[Sequence[Array]]:
-        """h [m], v [m/s], phi [-], for each an array a run."""
-        fields = [run.fields for run in self._runs]
-        return [[f.h for f in fields], [f.v for f in fields], [f.phi for f in fields]]
+QUESTIONS = 100  # steps of the reference between two questions whether to go on
 
-    def scalars(self) -> dict[str, Array]:
-        """The scalars of the series."""
-        each = [run.scalars() for run in self._runs]
-        return {name: np.array([one[name] for one in each]) for name in each[0]}
 
-    @staticmethod
-    def _step(run: Reference, t_out: float) -> float:
-        """A step; dt [s]."""
+def _run_one(case: Case, go_on: GoOn) -> Finished:
+    outputs = Outputs.of(case)
+    scalars = np.full((1, outputs.samples, len(SCALARS)), np.nan)
+    profiles = tuple(np.full((1, outputs.snapshots, case.grid.cells), np.nan) for _ in range(3))
+    run = Reference(case)
+    status, failure, speed = Status.OK, None, 0.0
+    for k, (t, snapshot, sample) in enumerate(zip(outputs.times, outputs.snapshot_at, outputs.sample_at, strict=True)):
+        before = run.U, run.t, run.steps
+        status = _advance(run, float(t), go_on)
+        if status == Status.DIVERGED or (status == Status.OK and fault(run.U)):
+            run.U, run.t, run.steps = before
+            status, failure = Status.DIVERGED, _find_fault(run, float(t))
+        if status != Status.OK:
+            break
+        values = run.scalars()
+        rest = sample >= 0 and k > 0 and case.time.stop_at_rest
+        rest = rest and values["v_flow"] < case.time.rest_speed and values["v_flow"] <= speed
+        if sample >= 0:
+            scalars[0, sample : None if rest else sample + 1] = [values[name] for name in SCALARS]
+            speed = values["v_flow"]
+        later = outputs.snapshot_at[k:] if rest else [snapshot]
+        for place in (place for place in later if place >= 0):
+            for target, field in zip(profiles, run.fields, strict=True):
+                target[0, place] = field
+        if rest:
+            status = Status.AT_REST
+            break
+    each = np.array([status], dtype=np.int8), np.array([run.steps]), np.array([run.t])
+    return Finished(scalars, profiles, *each, {0: failure} if failure else {})
+
+
+def _advance(run: Reference, t_out: float, go_on: GoOn) -> Status:
+    """Bring a run to t_out [s], if it gets there."""
+    while run.t < t_out:
+        if run.steps >= run.case.time.step_limit:
+            return Status.STEP_LIMIT
         with np.errstate(all="ignore"):  # what comes of it is judged at the output time
-            return run.step(t_out)
+            dt = run.step(t_out)
+        if not dt > 0.0:
+            return Status.DIVERGED
+        if run.steps % QUESTIONS == 0 and not go_on(run.t):
+            return Status.INTERRUPTED
+    return Status.OK
 
-    def _find_fault(self, r: int, run: Reference, t_out: float) -> None:
-        """Repeat the steps of a run that has diverged, up to the last sound one."""
-        found = None
-        while not found:
-            before = run.U, run.t, run.steps
-            dt = self._step(run, t_out)
-            found = fault(run.U) if dt > 0.0 else (-1, "dt is not positive")
-        cell, what = found
-        x = float(run.case.x[cell]) if cell >= 0 else np.nan
-        self.failures.append(Failure(r, before[1], run.steps, cell, x, what))
-        self.status[r] = Status.DIVERGED
-        run.U, run.t, run.steps = before
+
+def _find_fault(run: Reference, t_out: float) -> Failure:
+    """Repeat the steps of a run that has diverged, up to the last sound one."""
+    found = None
+    before = run.U, run.t, run.steps
+    while not found:
+        before = run.U, run.t, run.steps
+        with np.errstate(all="ignore"):
+            dt = run.step(t_out)
+        found = fault(run.U) if dt > 0.0 else (-1, f"dt = {dt:g} s")
+    cell, what = found
+    failure = Failure(before[1], run.steps, cell, float(run.case.x[cell]) if cell >= 0 else float("nan"), what)
+    run.U, run.t, run.steps = before
+    return failure
+
+
+def _joined(parts: Sequence[Finished]) -> Finished:
+    cells = max(part.profiles[0].shape[2] for part in parts)
+
+    def padded(field: Array) -> Array:
+        return np.pad(field, ((0, 0), (0, 0), (0, cells - field.shape[2])), constant_values=np.nan)
+
+    return Finished(
+        np.concatenate([part.scalars for part in parts]),
+        tuple(np.concatenate([padded(part.profiles[n]) for part in parts]) for n in range(3)),
+        np.concatenate([part.status for part in parts]),
+        np.concatenate([part.steps for part in parts]),
+        np.concatenate([part.end_time for part in parts]),
+        {r: part.failures[0] for r, part in enumerate(parts) if part.failures},
+    )

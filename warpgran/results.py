@@ -1,4 +1,4 @@
-"""The results of a batch in memory, and as a labelled dataset."""
+"""The results of a study: what is computed of each run, and all of it in memory as a labelled dataset."""
 
 from __future__ import annotations
 
@@ -6,153 +6,177 @@ import platform
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from warpgran.case import Case
+from warpgran.engines import SCALARS, Finished
+from warpgran.outputs import Outputs
 from warpgran.schema import COORDINATES, FIELDS, PER_RUN, SCHEMA_VERSION, SERIES, Status, Variable
+from warpgran.sweep import Study, identity
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = np.ndarray
 
+FAILURE = np.dtype("S200")
+"""Room for the words that say how a run diverged."""
 
-class Results:
-    """Results of a batch whose cases share their output times; what was not computed is NaN.
+
+class Column(NamedTuple):
+    """What a result holds of each run: the schema, and the shape and type of one run's part."""
+
+    schema: Variable
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+
+
+class Layout:
+    """What the result of some runs of a study consists of.
 
     Attributes:
-        cases: one a run.
-        fields: h [m], v [m/s], phi [-], each (runs, snapshots, cells).
-        series: the variables of schema.SERIES, each (runs, samples).
-        status, steps, end_time: per run.
-        attributes: of the whole, as in the file.
+        study: The whole study.
+        runs: Numbers of the runs that this result is of, in increasing order.
+        outputs: When they are recorded.
+        cells: Of the largest grid.
+        one_grid: Whether all runs have the same cells and bed.
+        columns: What there is of each run.
     """
 
-    def __init__(self, cases: Sequence[Case]) -> None:
-        if len({(case.snapshot_times, case.sample_times) for case in cases}) != 1:
-            raise ValueError("the cases of a batch must share time.snapshots, time.series and time.end")
-        self.cases = tuple(cases)
-        self.time = np.array(cases[0].snapshot_times)
-        self.series_time = np.array(cases[0].sample_times)
-        runs, cells = len(cases), max(case.grid.cells for case in cases)
-        self.fields = {name: np.full((runs, self.time.size, cells), np.nan) for name in FIELDS}
-        self.series = {name: np.full((runs, self.series_time.size), np.nan) for name in SERIES}
-        self.status = np.full(runs, Status.OK, dtype=np.int8)
-        self.steps = np.zeros(runs, dtype=np.int64)
-        self.end_time = np.zeros(runs)
-        self.attributes: dict[str, Any] = {}
-        self._volume = np.array([_volume(case) for case in cases])
+    def __init__(self, study: Study, runs: Sequence[int] | None = None) -> None:
+        """Plan for the runs given, all of the study by default.
 
-    def put_profiles(self, t: float, runs: Array, profiles: Sequence[Sequence[Array]]) -> None:
-        """Store h, v, phi (one array a run) of the snapshot at t [s]; `runs` masks those to store."""
-        at = int(np.flatnonzero(self.time == t)[0])
-        for name, values in zip(FIELDS, profiles, strict=True):
-            for r, value in enumerate(values):
-                if runs[r]:
-                    self.fields[name][r, at, : value.size] = value
+        Raises:
+            ValueError: The runs do not share their output times.
+        """
+        self.study = study
+        self.runs = np.arange(len(study)) if runs is None else np.asarray(runs)
+        self.outputs = Outputs.of(study.base)
+        self.one_grid, self.cells = True, study.base.grid.cells
+        if study.given:
+            _check_times(study.given)
+            self.cells = max(case.grid.cells for case in study.given)
+            x, bed = study.base.x, study.base.bed
+            self.one_grid = all(np.array_equal(c.x, x) and np.array_equal(c.bed, bed) for c in study.given)
+        elif any(key.startswith("grid.") for key in study.keys):
+            self.one_grid = False
+            self.cells = max(study.values("grid.cells")) if "grid.cells" in study.keys else self.cells
+        self.columns = self._columns()
 
-    def put_scalars(self, t: float, runs: Array, scalars: Mapping[str, Array]) -> None:
-        """Store the scalars, each (runs,), of the sample at t [s]; `runs` masks those to store."""
-        at = int(np.flatnonzero(self.series_time == t)[0])
-        for name in ("front", "h_max", "v_max", "v_flow", "mass", "energy"):
-            self.series[name][runs, at] = scalars[name][runs]
-        change = scalars["volume"][runs] / self._volume[runs] - 1.0
-        self.series["volume_change"][runs, at] = change
+    def _columns(self) -> dict[str, Column]:
+        real = np.dtype(np.float64)
+        fields = {name: Column(v, (self.outputs.snapshots, self.cells), real) for name, v in FIELDS.items()}
+        series = {name: Column(v, (self.outputs.samples,), real) for name, v in SERIES.items()}
+        types: dict[str, np.dtype[Any]] = {"status": np.dtype(np.int8), "steps": np.dtype(np.int64), "failure": FAILURE}
+        single = {name: Column(v, (), types.get(name, real)) for name, v in PER_RUN.items()}
+        grid = {} if self.one_grid else {name: Column(v, (self.cells,), real) for name, v in self._grid().items()}
+        return {**fields, **series, **single, **grid}
 
-    @property
-    def stop_time(self) -> Array:
-        """First sample [s] after which v_flow stays below time.rest_speed, NaN if it never does, per run."""
-        return np.array([
-            stop_time(self.series_time, v_flow, case.time.rest_speed)
-            for v_flow, case in zip(self.series["v_flow"], self.cases, strict=True)
-        ])  # fmt: skip
+    def _grid(self) -> dict[str, Variable]:
+        dims = ("cell",) if self.one_grid else ("run", "cell")
+        return {name: COORDINATES[name]._replace(dims=dims) for name in ("x", "bed")}
 
-    def last_sample(self, r: int) -> dict[str, float]:
-        """The last value of each series that run r has; NaN where it has none."""
-        known = np.flatnonzero(np.isfinite(self.series["front"][r]))
-        return {name: float(values[r, known[-1]]) if known.size else np.nan for name, values in self.series.items()}
+    def rows(self, cases: Sequence[Case], finished: Finished) -> dict[str, Array]:
+        """What is stored of runs that have ended, every array with a first dimension of runs."""
+        rows = {
+            name: _wide(profile, self.cells, [case.grid.cells for case in cases])
+            for name, profile in zip(FIELDS, finished.profiles, strict=True)
+        }
+        t = self.outputs.times[self.outputs.sample_at >= 0]
+        scalars = dict(zip(SCALARS, np.moveaxis(finished.scalars, 2, 0), strict=True))
+        volume = np.array([_volume(case) for case in cases])[:, None]
+        rows |= {name: scalars[name] for name in SERIES.keys() & scalars.keys()}
+        rows["volume_change"] = scalars["volume"] / volume - 1.0
+        flat = np.full_like(rows["front"], np.nan)
+        rows["front_speed"] = np.gradient(rows["front"], t, axis=1) if t.size > 1 else flat
+        rest_speeds = [case.time.rest_speed for case in cases]
+        rows["stop_time"] = np.array(
+            [stop_time(t, v, rest) for v, rest in zip(scalars["v_flow"], rest_speeds, strict=True)]
+        )
+        rows |= {"status": finished.status, "steps": finished.steps, "end_time": finished.end_time}
+        words = [str(finished.failures[r]) if r in finished.failures else "" for r in range(len(cases))]
+        rows["failure"] = np.array([word.encode() for word in words], dtype=FAILURE)
+        if not self.one_grid:
+            for name in ("x", "bed"):
+                rows[name] = np.full((len(cases), self.cells), np.nan)
+                for row, case in zip(rows[name], cases, strict=True):
+                    row[: case.grid.cells] = getattr(case, name)
+        return rows
 
-    def status_word(self, r: int) -> str:
-        """How run r ended."""
-        return Status(self.status[r]).word
+    def shared(self) -> dict[str, tuple[Variable, Array]]:
+        """What is the same for all runs: the times, and x and bed if there is one grid."""
+        times = self.outputs.times
+        shared = {
+            "time": (COORDINATES["time"], times[self.outputs.snapshot_at >= 0]),
+            "series_time": (COORDINATES["series_time"], times[self.outputs.sample_at >= 0]),
+        }
+        if self.one_grid:
+            shared |= {name: (v, getattr(self.study.base, name)) for name, v in self._grid().items()}
+        return shared
 
-    @property
-    def x(self) -> Array:
-        """Cell centres [m]: (cells,), or (runs, cells) padded with NaN where the grids differ."""
-        return _shared_or_stacked([case.x for case in self.cases])
-
-    @property
-    def bed(self) -> Array:
-        """Bed elevation [m], shaped as x."""
-        return _shared_or_stacked([case.bed for case in self.cases], shared=self.x.ndim == 1)
-
-    @property
     def parameters(self) -> dict[str, list[Any]]:
-        """Values by run of the keys in which the cases differ."""
-        flats = [case.flat() for case in self.cases]
-        keys = [key for key, value in flats[0].items() if _simple(value) and any(f[key] != value for f in flats)]
-        return {key: [flat[key] for flat in flats] for key in keys}
+        """Values by run of the keys in which the runs differ."""
+        return {key: [values[r] for r in self.runs] for key in self.study.keys if (values := self.study.values(key))}
 
-    def finish(self, attributes: Mapping[str, Any]) -> None:
-        """Complete what depends on whole series, and the attributes."""
-        if self.series_time.size > 1:
-            self.series["front_speed"][:] = np.gradient(self.series["front"], self.series_time, axis=1)
-        cells = np.array([case.grid.cells for case in self.cases])
-        self.attributes = {
-            "title": self.cases[0].title,
+    def sizes(self) -> dict[str, Array]:
+        """The dimensions that are counted, not measured: the number of each run, sample and cell."""
+        return {"run": self.runs, "sample": np.arange(self.outputs.samples), "cell": np.arange(self.cells)}
+
+    def attributes(self, **more: Any) -> dict[str, Any]:
+        """Attributes of the whole result."""
+        base = self.study.base
+        return {
+            "title": base.title,
             "schema_version": SCHEMA_VERSION,
-            "run_file": self.cases[0].source,
-            "case_toml": self.cases[0].to_toml(),
+            "run_file": self.study.source,
+            "case_toml": base.to_toml(),
+            "identity": identity(base),
             "warpgran_version": version("warpgran"),
             "warp_version": version("warp-lang"),
             "numpy_version": version("numpy"),
             "python_version": platform.python_version(),
             "date": datetime.now(UTC).isoformat(timespec="seconds"),
-            "cell_steps": int((self.steps * cells).sum()),
-            **attributes,
+            **more,
         }
 
-    def variables(self) -> dict[str, tuple[Variable, Array]]:
-        """All variables by name, each with its schema."""
-        values = {
-            **self.fields,
-            **self.series,
-            "x": self.x,
-            "bed": self.bed,
-            "time": self.time,
-            "series_time": self.series_time,
-            "status": self.status,
-            "steps": self.steps,
-            "stop_time": self.stop_time,
-            "end_time": self.end_time,
-        }
-        schemas = {**COORDINATES, **FIELDS, **SERIES, **PER_RUN}
-        for name in ("x", "bed"):
-            if values[name].ndim == 2:
-                schemas[name] = schemas[name]._replace(dims=("run", "cell"))
-        return {name: (schemas[name], value) for name, value in values.items()}
 
-    def to_dataset(self) -> xr.Dataset:
+class MemoryResults:
+    """Results kept in memory.
+
+    Attributes:
+        layout: What they consist of.
+        arrays: By name, with a first dimension of runs; NaN, and status pending, for what is not there yet.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+        n = layout.runs.size
+        self.arrays = {name: _blank((n, *column.shape), column.dtype) for name, column in layout.columns.items()}
+        self.arrays["status"][:] = Status.PENDING
+
+    def put(self, at: Sequence[int], rows: Mapping[str, Array]) -> None:
+        """Store rows of `Layout.rows` at these places."""
+        for name, values in rows.items():
+            self.arrays[name][list(at)] = values
+
+    def to_dataset(self, **attributes: Any) -> xr.Dataset:
         """The results as an xarray.Dataset; the keys in which runs differ are coordinates of `run`."""
         import xarray as xr
 
-        variables = {
+        columns = self.layout.columns
+        both = {name: (columns[name].schema, values) for name, values in self.arrays.items()} | self.layout.shared()
+        variables: dict[str, Any] = {
             name: xr.Variable(schema.dims, value, {"units": schema.units, "long_name": schema.long_name})
-            for name, (schema, value) in self.variables().items()
+            for name, (schema, value) in both.items()
         }
+        variables["failure"] = variables["failure"].astype(str)
         variables["status"].attrs |= status_attributes()
-        coordinates: dict[str, Any] = {name: variables.pop(name) for name in COORDINATES}
-        coordinates |= {name: np.arange(n) for name, n in self.sizes.items()}
-        coordinates |= {key: ("run", values) for key, values in self.parameters.items()}
-        return xr.Dataset(variables, coordinates, self.attributes)
-
-    @property
-    def sizes(self) -> dict[str, int]:
-        """Lengths of the dimensions that are counted, not measured."""
-        runs, _, cells = self.fields["h"].shape
-        return {"run": runs, "sample": self.series_time.size, "cell": cells}
+        coordinates: dict[str, Any] = {name: variables.pop(name) for name in ("x", "time", "series_time")}
+        coordinates |= self.layout.sizes()
+        coordinates |= {key: ("run", values) for key, values in self.layout.parameters().items()}
+        return xr.Dataset(variables, coordinates, self.layout.attributes(**attributes))
 
 
 def stop_time(t: Array, v_flow: Array, rest_speed: float) -> float:
@@ -174,20 +198,24 @@ def status_attributes() -> dict[str, Any]:
     }
 
 
+def _check_times(cases: Sequence[Case]) -> None:
+    if len({(case.snapshot_times, case.sample_times, case.time.end) for case in cases}) != 1:
+        raise ValueError("the cases of a batch must share time.snapshots, time.series and time.end")
+
+
+def _wide(profile: Array, cells: int, each: Sequence[int]) -> Array:
+    """Profiles (runs, snapshots, any) as (runs, snapshots, cells), NaN beyond the cells of each run."""
+    wide = np.full((*profile.shape[:2], cells), np.nan)
+    for row, source, n in zip(wide, profile, each, strict=True):
+        row[:, :n] = source[:, :n]
+    return wide
+
+
+def _blank(shape: tuple[int, ...], dtype: np.dtype[Any]) -> Array:
+    return np.full(shape, np.nan) if dtype.kind == "f" else np.zeros(shape, dtype)
+
+
 def _volume(case: Case) -> float:
     """Volume per unit width [m2] of the cells that start thicker than h_front; NaN if there are none."""
     h, _ = case.initial_state()
     return float(h[h > case.scheme.h_front].sum() * case.dx) or float("nan")
-
-
-def _shared_or_stacked(values: Sequence[Array], shared: bool = True) -> Array:
-    if shared and all(np.array_equal(values[0], other) for other in values[1:]):
-        return values[0]
-    stacked = np.full((len(values), max(v.size for v in values)), np.nan)
-    for row, v in zip(stacked, values, strict=True):
-        row[: v.size] = v
-    return stacked
-
-
-def _simple(value: Any) -> bool:
-    return isinstance(value, bool | int | float | str)

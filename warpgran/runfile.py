@@ -50,8 +50,8 @@ def override(data: dict[str, Any], text: str) -> Problem | None:
 
 def put(data: dict[str, Any], key: str, value: Any) -> Problem | None:
     """Set, or with None take out, one dotted key of nested dicts."""
-    *parents, last = key.split(".")
-    if key not in ALLOWED and parents[:1] != ["sweep"]:  # sweeps are refused as a whole
+    *parents, last = _path(key)
+    if key not in ALLOWED and parents[:1] != ["sweep"]:  # the sweep is judged by warpgran.sweep
         return unknown_key(key, ALLOWED)
     for parent in parents:
         if not isinstance(data.get(parent), dict):
@@ -62,6 +62,15 @@ def put(data: dict[str, Any], key: str, value: Any) -> Problem | None:
     else:
         data[last] = given(value)
     return None
+
+
+def _path(key: str) -> list[str]:
+    """Where a dotted key is in nested dicts. Under `sweep.over` dotted keys are single names, quoted or not."""
+    parts = key.split(".")
+    if parts[:2] != ["sweep", "over"] or len(parts) == 2:
+        return parts
+    section, *rest = key.replace('"', "").split(".")[2:]
+    return ["sweep", "over", ".".join([section, *rest[:1]]), *rest[1:]]
 
 
 def given(value: Any) -> Any:

@@ -10,12 +10,19 @@ SCHEMA_VERSION = 1
 
 
 class Status(IntEnum):
-    """How a run ended. The first three are the codes of kernels/clock.py."""
+    """How a run ended. Some are also the codes of kernels/clock.py."""
 
     OK = 0
     DIVERGED = 1
     STEP_LIMIT = 2
     INTERRUPTED = 3
+    AT_REST = 4
+    PENDING = 5
+
+    @property
+    def clean(self) -> bool:
+        """Whether the run did all that it was asked for."""
+        return self in (Status.OK, Status.AT_REST)
 
     @property
     def word(self) -> str:
@@ -33,6 +40,7 @@ class Variable(NamedTuple):
 
 COORDINATES = {
     "x": Variable(("cell",), "m", "distance along the slope"),
+    "bed": Variable(("cell",), "m", "bed elevation normal to the slope"),
     "time": Variable(("time",), "s", "time of the snapshots"),
     "series_time": Variable(("sample",), "s", "time of the series"),
 }
@@ -56,11 +64,11 @@ SERIES = {
 }
 
 PER_RUN = {
-    "bed": Variable(("cell",), "m", "bed elevation normal to the slope"),
     "status": Variable(("run",), "1", "how the run ended"),
     "steps": Variable(("run",), "1", "time steps taken"),
     "stop_time": Variable(("run",), "s", "first sample after which v_flow stays below rest_speed"),
     "end_time": Variable(("run",), "s", "time reached"),
+    "failure": Variable(("run",), "1", "where and how the run diverged"),
 }
 
 PARAMETERS = "params"

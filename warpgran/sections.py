@@ -198,6 +198,7 @@ class Time(Model):
         snapshots: Times of whole profiles; None for five, equally spaced.
         series: Times of the scalar series.
         rest_speed: The mass is at rest below this speed, m s-1.
+        stop_at_rest: End a run at the first sample where it is slower than rest_speed and not speeding up.
         step_limit: A run that takes more steps is given up.
     """
 
@@ -205,6 +206,7 @@ class Time(Model):
     snapshots: Times | None = _key(None, "times in [0, time.end] or { every = s }, in s")
     series: Times = _key(Every(every=0.01), "times in [0, time.end] or { every = s }, in s")
     rest_speed: StrictFloat = _key(1e-3, "> 0, in m/s", gt=0)
+    stop_at_rest: StrictBool = _key(False, "true or false")
     step_limit: StrictInt = _key(10_000_000, ">= 1", ge=1)
 
 

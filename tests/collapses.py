@@ -1,0 +1,116 @@
+"""Results made by hand: a cap of material that slides and spreads."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+CASE = """
+title = "Dense column, 22 degrees"
+[rheology]
+mu1 = 0.48
+mu2 = 0.73
+I0 = 0.279
+grain_diameter = 7e-4
+K = 4.09
+K_tilde = 0.2
+phi_stat = 0.582
+phi_eq = "f2"
+phi_eq_N = 1.0
+mu_wall = 0.0
+channel_width = 0.2
+[slope]
+angle = 22.0
+[column]
+height = 0.14
+length = 0.2
+phi = 0.62
+start = -0.2
+[grid]
+left = -0.2
+right = 1.0
+cells = 240
+[time]
+end = 0.9
+rest_speed = 1e-3
+[scheme]
+h_min = 7e-4
+h_front = 1e-3
+left = "wall"
+right = "open"
+"""
+
+
+def collapse(cells: int = 240, snapshots: int = 4, samples: int = 100, runs: int = 1) -> xr.Dataset:
+    """A parabolic cap that spreads from 0.2 m to 0.8 m and comes to rest after 0.6 s, in every run alike."""
+    x = -0.2 + 1.2 * (np.arange(cells) + 0.5) / cells
+    time, series_time = np.linspace(0.0, 0.9, snapshots), np.linspace(0.0, 0.9, samples)
+
+    def length(t: np.ndarray) -> np.ndarray:
+        return 0.2 + 0.6 * np.sin(np.pi / 2 * np.clip(t / 0.6, 0, 1)) ** 2
+
+    def speed(t: np.ndarray) -> np.ndarray:
+        return 0.6 * np.pi / 1.2 * np.sin(np.pi * np.clip(t / 0.6, 0, 1))
+
+    s = (x + 0.2) / length(time)[:, None]
+    phi = np.clip(0.62 - 0.06 * s, 0.5, 0.62)
+    h = 0.042 / length(time)[:, None] * np.clip(1 - s**2, 0, None) * 0.62 / phi
+    v = np.where(h > 0, speed(time)[:, None] * s, 0.0)
+    series = {
+        "front": -0.2 + length(series_time),
+        "front_speed": speed(series_time),
+        "h_max": 0.042 / length(series_time),
+        "v_max": speed(series_time),
+        "volume_change": 0.05 * (1 - np.exp(-series_time / 0.2)),
+        "mass": np.full(samples, 0.017),
+        "energy": 1e-3 * np.exp(-series_time),
+    }
+    variables: dict[str, Any] = {
+        "x": ("cell", x),
+        "bed": ("cell", np.zeros(cells)),
+        "time": ("time", time),
+        "series_time": ("sample", series_time),
+        "status": ("run", np.full(runs, "ok", dtype=object)),
+        "steps": ("run", np.full(runs, 1000)),
+        "stop_time": ("run", np.full(runs, 0.6)),
+        "end_time": ("run", np.full(runs, 0.9)),
+    }
+    variables |= {k: (("run", "time", "cell"), np.stack([f] * runs)) for k, f in {"h": h, "v": v, "phi": phi}.items()}
+    variables |= {k: (("run", "sample"), np.stack([f] * runs)) for k, f in series.items()}
+    return xr.Dataset(variables, {"run": np.arange(runs)}, {"case_toml": CASE})
+
+
+def two_runs() -> xr.Dataset:
+    """Two runs at 0 and -12.5 degrees on a bump; the second diverged at two thirds."""
+    data = collapse(snapshots=12, runs=2)
+    data = data.assign_coords({"slope.angle": ("run", [0.0, -12.5]), "column.length": ("run", [0.2, 0.25])})
+    data["bed"] = "cell", 0.05 * np.exp(-(((data["x"].values - 0.3) / 0.1) ** 2))
+    for name in ("h", "v", "phi"):
+        data[name][1, 8:] = np.nan
+    for name in ("front", "front_speed", "h_max", "v_max", "volume_change"):
+        data[name][1, 66:] = np.nan
+    data["status"] = "run", np.array([0, 1]), {"flag_values": np.array([0, 1]), "flag_meanings": "ok diverged"}
+    data["stop_time"][1] = np.nan
+    return data
+
+
+def batch(samples: int = 100, diverged: tuple[int, ...] = (), **values: Any) -> xr.Dataset:
+    """Runs whose front, thickness and dilation grow by 10 % from one to the next; some diverge after 50 samples.
+
+    Values: of a swept key in each run, the dot of the key as two underscores.
+    """
+    runs = len(next(iter(values.values())))
+    data = collapse(cells=8, snapshots=1, samples=samples, runs=runs)
+    data = data.assign_coords({key.replace("__", "."): ("run", np.array(value)) for key, value in values.items()})
+    growth = 1.0 + 0.1 * np.arange(runs)[:, None]
+    data["front"] = data["front"] * growth
+    for name in ("h_max", "volume_change"):
+        data[name] = data[name] * growth
+    for run in diverged:
+        for name in ("front", "h_max", "volume_change"):
+            data[name][run, 50:] = np.nan
+        data["status"][run] = "diverged"
+        data["stop_time"][run] = np.nan
+    return data
