@@ -30,8 +30,9 @@ LAYERS = [
     {"figures", "animation", "batch_figures"},
     {"__init__", "cli"},
 ]
-# The one way up, and only when it is called: Case.sweep, a shorthand for warpgran.sweep.sweep that needs no import.
-UPWARD_WHEN_CALLED = {("case", "warpgran.sweep")}
+# The ways up, and only when called: Case.sweep, a shorthand for warpgran.sweep.sweep that needs no import, and
+# simulate(client=...), which hands over to the cluster.
+UPWARD_WHEN_CALLED = {("case", "warpgran.sweep"), ("simulation", "warpgran.cluster")}
 
 
 def imports(path: Path, typing_too: bool = False, when_called: bool = True) -> set[str]:

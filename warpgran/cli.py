@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -13,7 +15,8 @@ import typer
 if TYPE_CHECKING:
     import xarray as xr
 
-    from warpgran.simulation import Outcome
+    from warpgran.jobs import Compute
+    from warpgran.simulation import Options, Outcome
     from warpgran.sweep import Study
 
 app = typer.Typer(
@@ -66,6 +69,9 @@ def run(
     shard: Annotated[
         str | None, typer.Option(metavar="I/N", help="Compute the I-th of N shares; `warpgran merge` joins them.")
     ] = None,
+    cluster: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Compute on the workers of a dask scheduler, tcp://HOST:8786.")
+    ] = None,
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the result beside the file.")] = True,
 ) -> None:
     """Compute a run file: an HDF5 file, a picture and a short table."""
@@ -83,9 +89,10 @@ def run(
             from warpgran.device import find_device, start_quietly
 
             start_quietly()
-            find_device(device)
-        with _progress(study, len(share)) as progress:
-            outcome = run_to_file(study, path, how, runs=share, resume=resume, progress=progress)
+            if cluster is None:
+                find_device(device)
+        with _where(cluster, how) as (how, compute), _progress(study, len(share)) as progress:
+            outcome = run_to_file(study, path, how, runs=share, resume=resume, progress=progress, compute=compute)
         data = open_dataset(path)
         written = [str(path)]
         if picture and _worth_drawing(data):
@@ -223,6 +230,25 @@ def _errors() -> Iterator[None]:
 
 
 @contextmanager
+def _where(cluster: str | None, how: Options) -> Iterator[tuple[Options, Compute]]:
+    """How and by what blocks are computed: here, or on the workers of a scheduler."""
+    from warpgran import simulation
+
+    if cluster is None:
+        yield how, simulation.compute
+        return
+    if how.threads is not None:
+        raise ValueError("threads: has no part with --cluster; allowed: --nthreads of dask worker")
+    from warpgran.cluster import compute, connect, threads_of
+
+    with connect(cluster) as client:
+        threads = threads_of(client)
+        if not threads:
+            typer.echo(f"warpgran: {cluster} has no worker yet; waiting for one", err=True)
+        yield replace(how, threads=threads or None), partial(compute, client=client)
+
+
+@contextmanager
 def _progress(study: Study, runs: int) -> Iterator[Callable[[float], None]]:
     """A progress bar on standard error, in simulated time for one run; nothing where that is no terminal."""
     from rich.console import Console
@@ -284,7 +310,9 @@ def _over(study: Study) -> str:
 
 
 def _worth_drawing(data: xr.Dataset) -> bool:
-    return bool(data["front"].notnull().any() or data["h"].notnull().any())
+    """Whether there is a sample or a snapshot of some run."""
+    reached = data["end_time"].max()
+    return bool(data["front"].notnull().any() or (data["time"] <= reached).any())
 
 
 def _share(shard: str | None, runs: int) -> tuple[list[int], str]:

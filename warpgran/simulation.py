@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
@@ -21,6 +21,7 @@ from warpgran.sweep import Study
 
 if TYPE_CHECKING:
     import xarray as xr
+    from distributed import Client
 
     from warpgran.blocks import Block
     from warpgran.solver import Solver
@@ -116,6 +117,7 @@ def simulate(
     precision: Precision = "float64",
     engine: EngineName = "warp",
     threads: int | None = None,
+    client: Client | None = None,
 ) -> xr.Dataset:
     """Compute one case, a sweep of cases, or any batch of them.
 
@@ -125,6 +127,7 @@ def simulate(
         precision: "float64" or "float32".
         engine: "warp", or "numpy" for the reference implementation.
         threads: Blocks of runs computed at once; all cores by default.
+        client: Of a dask cluster, whose workers compute instead of this machine; threads then has no part.
 
     Returns:
         Thickness, velocity and volume fraction (run, time, cell) and the series (run, sample), in SI units with their
@@ -134,12 +137,19 @@ def simulate(
         OptionError: No such precision or engine.
         DeviceError: No such device.
         ValueError: The output times differ.
+        ClusterError: A block failed on a worker, or the scheduler is gone.
         KeyboardInterrupt: Ctrl-C.
     """
     study = Study.of([cases] if isinstance(cases, Case) else cases)
     options = Options(device, precision, engine, threads)
     sink = MemoryResults(Layout(study))
-    outcome = compute(sink, options, range(len(study)))
+    if client is None:
+        outcome = compute(sink, options, range(len(study)))
+    else:
+        from warpgran import cluster
+
+        options = replace(options, threads=cluster.threads_of(client) or None)
+        outcome = cluster.compute(sink, options, range(len(study)), client=client)
     if outcome.interrupted:
         raise KeyboardInterrupt
     return sink.to_dataset(**attributes(options, outcome))
@@ -179,7 +189,7 @@ def compute(
     blocks = _blocks(layout, options, places)
     done: dict[int, float] = {}
 
-    with _interruptible() as interrupted:
+    with interruptible() as interrupted:
         stop = threading.Event()
         workers = _Workers(options, layout)
 
@@ -212,7 +222,7 @@ def compute(
                             continue
                         at, cases, finished, seconds = future.result()
                         sink.put(at, layout.rows(cases, finished))
-                        _account(outcome, layout, at, cases, finished, seconds)
+                        account(outcome, layout, at, cases, finished, seconds)
                         done[futures.pop(future)] = float(len(at))
                     progress(sum(done.copy().values()))
             finally:
@@ -223,9 +233,10 @@ def compute(
     return outcome
 
 
-def _account(
+def account(
     outcome: Outcome, layout: Layout, at: Sequence[int], cases: Sequence[Case], finished: Finished, seconds: float
 ) -> None:
+    """Add a block that has ended to what there is to tell. seconds: of its time loop."""
     cells = np.array([case.grid.cells for case in cases])
     outcome.cell_steps += int((finished.steps * cells).sum())
     outcome.kernel_seconds += seconds
@@ -274,7 +285,7 @@ class _Workers:
 
 
 @contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
+def interruptible() -> Iterator[Callable[[], bool]]:
     """Within the block Ctrl-C is remembered instead of raised; a second one is raised.
 
     Yields a function that tells whether it was pressed. Elsewhere than in the main thread nothing changes.
