@@ -114,10 +114,10 @@ def compute(
                 with suppress(Empty):
                     future = ready.get(timeout=0.2)
                     block = flight[future.key]
-                    finished, seconds = _result(future, _numbers(layout, block.at))
+                    finished = _result(future, _numbers(layout, block.at))
                     del flight[future.key]
                     sink.put(block.at, layout.rows(block.cases, finished))
-                    account(outcome, layout, block.at, block.cases, finished, seconds)
+                    account(outcome, layout, block.at, block.cases, finished)
                     done += len(block.at)
                 progress(done)
         finally:
@@ -165,7 +165,7 @@ class _Threads:
 # On the workers
 
 
-def run_block(cases: list[Case], options: Options, submitter: tuple[str, str]) -> tuple[Finished, float]:
+def run_block(cases: list[Case], options: Options, submitter: tuple[str, str]) -> Finished:
     """Compute a block of runs of one variant in this process.
 
     Args:
@@ -173,22 +173,16 @@ def run_block(cases: list[Case], options: Options, submitter: tuple[str, str]) -
         options: How to compute.
         submitter: `versions` of the process that asked.
 
-    Returns:
-        The runs, and the seconds of the time loop.
-
     Raises:
         ValueError: The versions differ, or the device is not there.
     """
     check_in(options, submitter)
     if options.engine == "numpy":
-        start = time.perf_counter()
-        return run_reference(cases, lambda t: True), time.perf_counter() - start
+        return run_reference(cases, lambda t: True)
     from warpgran.solver import Solver
 
     solver = Solver.holding(cases, precision_name=options.precision, device=options.device)
-    start = time.perf_counter()
-    finished = run_kernels(solver, cases, lambda t: True)
-    return finished, time.perf_counter() - start
+    return run_kernels(solver, cases, lambda t: True)
 
 
 def check_in(options: Options, submitter: tuple[str, str]) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -56,6 +57,7 @@ class Finished:
         profiles: h [m], v [m/s], phi of the snapshots, each (runs, snapshots, cells or more).
         status, steps, end_time: Per run; codes of schema.Status, -, s.
         failures: By run, those that have diverged.
+        seconds: Of the time loop alone.
     """
 
     scalars: Array
@@ -64,6 +66,7 @@ class Finished:
     steps: Array
     end_time: Array
     failures: dict[int, Failure]
+    seconds: float
 
 
 def fault(U: Array) -> tuple[int, str] | None:
@@ -97,9 +100,11 @@ def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
     """
     solver.load(cases)
     n, state = len(cases), solver.state
+    began = time.perf_counter()
     while not solver.replay():
         if not go_on(float(state.t.numpy()[:n].mean())):
             break
+    seconds = time.perf_counter() - began
     status = state.status.numpy()[:n].astype(np.int8)
     status[state.active.numpy()[:n] != 0] = Status.INTERRUPTED
     diverged = np.flatnonzero(status == Status.DIVERGED).tolist()
@@ -110,7 +115,7 @@ def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
     for r, failure in failures.items():
         steps[r], end_time[r] = failure.step - 1, failure.time
     profiles = tuple(field[:n] for field in state.recorded_profiles())
-    return Finished(state.recorded_scalars()[:n], profiles, status, steps, end_time, failures)
+    return Finished(state.recorded_scalars()[:n], profiles, status, steps, end_time, failures, seconds)
 
 
 def _find_failure(case: Case, output: int, precision: str, device: str) -> Failure:
@@ -153,6 +158,7 @@ def _run_one(case: Case, go_on: GoOn) -> Finished:
     profiles = tuple(np.full((1, outputs.snapshots, case.grid.cells), np.nan) for _ in range(3))
     run = Reference(case)
     status, failure, speed = Status.OK, None, 0.0
+    began = time.perf_counter()
     for k, (t, snapshot, sample) in enumerate(zip(outputs.times, outputs.snapshot_at, outputs.sample_at, strict=True)):
         before = run.U, run.t, run.steps
         status = _advance(run, float(t), go_on)
@@ -174,8 +180,9 @@ def _run_one(case: Case, go_on: GoOn) -> Finished:
         if rest:
             status = Status.AT_REST
             break
+    seconds = time.perf_counter() - began
     each = np.array([status], dtype=np.int8), np.array([run.steps]), np.array([run.t])
-    return Finished(scalars, profiles, *each, {0: failure} if failure else {})
+    return Finished(scalars, profiles, *each, {0: failure} if failure else {}, seconds)
 
 
 def _advance(run: Reference, t_out: float, go_on: GoOn) -> Status:
@@ -220,4 +227,5 @@ def _joined(parts: Sequence[Finished]) -> Finished:
         np.concatenate([part.steps for part in parts]),
         np.concatenate([part.end_time for part in parts]),
         {r: part.failures[0] for r, part in enumerate(parts) if part.failures},
+        sum(part.seconds for part in parts),
     )

@@ -193,7 +193,7 @@ def compute(
         stop = threading.Event()
         workers = _Workers(options, layout)
 
-        def work(n: int) -> tuple[Sequence[int], list[Case], Finished, float]:
+        def work(n: int) -> tuple[Sequence[int], list[Case], Finished]:
             at = blocks[n][0]
             cases = [layout.study[int(layout.runs[place])] for place in at]
 
@@ -204,10 +204,7 @@ def compute(
             if stop.is_set():
                 raise _StoppedError
             solver = workers.solver(blocks[n][1])
-            start = time.perf_counter()
-            finished = run_kernels(solver, cases, go_on) if solver else run_reference(cases, go_on)
-            seconds = time.perf_counter() - start
-            return at, cases, finished, seconds
+            return at, cases, run_kernels(solver, cases, go_on) if solver else run_reference(cases, go_on)
 
         with ThreadPoolExecutor(min(options.workers, max(1, len(blocks)))) as pool:
             futures = {pool.submit(work, n): n for n in range(len(blocks))}
@@ -220,9 +217,9 @@ def compute(
                     for future in ready:
                         if isinstance(future.exception(), _StoppedError):
                             continue
-                        at, cases, finished, seconds = future.result()
+                        at, cases, finished = future.result()
                         sink.put(at, layout.rows(cases, finished))
-                        account(outcome, layout, at, cases, finished, seconds)
+                        account(outcome, layout, at, cases, finished)
                         done[futures.pop(future)] = float(len(at))
                     progress(sum(done.copy().values()))
             finally:
@@ -233,13 +230,11 @@ def compute(
     return outcome
 
 
-def account(
-    outcome: Outcome, layout: Layout, at: Sequence[int], cases: Sequence[Case], finished: Finished, seconds: float
-) -> None:
-    """Add a block that has ended to what there is to tell. seconds: of its time loop."""
+def account(outcome: Outcome, layout: Layout, at: Sequence[int], cases: Sequence[Case], finished: Finished) -> None:
+    """Add a block that has ended to what there is to tell."""
     cells = np.array([case.grid.cells for case in cases])
     outcome.cell_steps += int((finished.steps * cells).sum())
-    outcome.kernel_seconds += seconds
+    outcome.kernel_seconds += finished.seconds
     for r, failure in finished.failures.items():
         outcome.failures[int(layout.runs[at[r]])] = str(failure)
 
