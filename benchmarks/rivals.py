@@ -1,0 +1,103 @@
+"""The kernels against the NumPy reference and a numba version, one run on one core, from the same state in motion."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from work import Array, Crews, Moving, Round, Work
+
+from warpgran.reference import Reference
+
+STEPS = 100
+CHECKED = 50
+TOLERANCE = 1e-10
+NUMPY, NUMBA = "NumPy reference", "numba, float64"
+
+
+class DifferentError(RuntimeError):
+    """What was to be timed does not compute the same."""
+
+
+def rivals(crews: Crews, cells: int) -> dict[str, Round]:
+    """Rounds that return ns per cell-step of one run.
+
+    Raises:
+        DifferentError: After 50 steps one of them in float64 is further than 1e-10 from the reference.
+    """
+    full = Work(cells, 1)
+    moving = crews.of(full)[0]
+    moving.put_back()
+    case, U = full.case, moving.U
+    run = Reference(case)
+    run.U = U
+    for _ in range(CHECKED):
+        run.step()
+    expected = run.U
+
+    def by_reference() -> None:
+        run.U = U
+        for _ in range(STEPS):
+            run.step()
+
+    rounds = {NUMPY: _round(by_reference, cells * STEPS)}
+    numba = _numba(case, U)
+    if numba:
+        numba.advance(CHECKED)
+        _check(NUMBA, numba.U, expected)
+        rounds[NUMBA] = _numba_round(numba, U, cells)
+    for precision in ("float64", "float32"):
+        for window in (False, True):
+            work = Work(cells, 1, precision, window)
+            label = f"kernels, {precision}, {'window' if window else 'full range'}"
+            if precision == "float64":
+                _check(label, _after(crews.of(work)[0]), expected)
+            rounds[label] = crews.round_of(work, STEPS)
+    return rounds
+
+
+def _after(moving: Moving) -> Array:
+    moving.seconds(CHECKED)
+    return moving.U
+
+
+def _numba(case: Any, U: Array) -> Any:
+    """The run in numba; None where numba is not installed."""
+    try:
+        from numba_version import NumbaRun
+    except ImportError:
+        return None
+    return NumbaRun(case, U)
+
+
+def _numba_round(run: Any, U: Array, cells: int) -> Round:
+    repeats = 10  # so that it lasts long enough to be timed
+
+    def go() -> None:
+        for _ in range(repeats):
+            run.U = U
+            run.advance(STEPS)
+
+    return _round(go, cells * STEPS * repeats)
+
+
+def _round(go: Callable[[], None], cell_steps: int) -> Round:
+    def round_() -> float:
+        began = time.perf_counter()
+        go()
+        return (time.perf_counter() - began) * 1e9 / cell_steps
+
+    return round_
+
+
+def _check(name: str, U: Array, expected: Array) -> None:
+    """That a state is the one expected, relative to the largest value of each of its three parts.
+
+    Raises:
+        DifferentError: It is not.
+    """
+    off = float((np.abs(U - expected).max(axis=1) / np.abs(expected).max(axis=1)).max())
+    if not off <= TOLERANCE:
+        raise DifferentError(f"{name}: off by {off:.1e} after {CHECKED} steps, refused")

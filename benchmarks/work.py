@@ -1,0 +1,196 @@
+"""What is measured: the dense column in motion, in blocks of runs on threads as the product has them, round by round.
+
+A round of a work replays its blocks for a number of steps from the same state, by each thread its share of them, one
+after another. Runs of a block are alike, which costs as much as runs that differ: the kernels do not branch.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+import warp as wp
+
+from warpgran.blocks import Block, plan
+from warpgran.case import Case
+from warpgran.outputs import Outputs
+from warpgran.simulation import Options
+from warpgran.solver import Solver
+from warpgran.sweep import Study
+
+T_START = 0.1
+"""Time [s] from which steps are measured: the column has begun to move."""
+AT_LEAST = 4_000_000
+"""Cell-steps of a round of a thread, so that it lasts long enough to be timed."""
+TRIES = 3
+UNDISTURBED = 0.95
+"""Share of the processor time of the best round that a round must have had."""
+
+Array = np.ndarray
+Precision = Literal["float64", "float32"]
+Round = Callable[[], float]
+Key = TypeVar("Key", bound=Hashable)
+
+
+@dataclass(frozen=True)
+class Work:
+    """One combination.
+
+    Attributes:
+        cells: Of each run.
+        runs: Computed together by all threads.
+        precision: "float64" or "float32".
+        window: Whether only what is wet is visited.
+        threads: Blocks at once.
+    """
+
+    cells: int
+    runs: int
+    precision: Precision = "float64"
+    window: bool = False
+    threads: int = 1
+
+    @property
+    def case(self) -> Case:
+        """The dense column on a horizontal plane, with no output on the way."""
+        return column(self.cells, self.window)
+
+    def blocks(self) -> list[Block]:
+        """How a computation of this many runs is cut."""
+        case = self.case
+        memory = Options(precision=self.precision, threads=self.threads).bytes
+        study = Study.of([case] * self.runs)
+        return plan(study, range(self.runs), Outputs.of(case), self.precision, on_cpu=True, threads=self.threads,
+                    memory=memory)  # fmt: skip
+
+
+def column(cells: int, window: bool, changes: Mapping[str, Any] | None = None) -> Case:
+    """The dense column on a horizontal plane; changes by dotted key. One output by default, later than is reached."""
+    values: dict[str, Any] = {"grid.right": 0.6, "grid.cells": cells, "scheme.window": window}
+    values |= {"time.end": 10.0, "time.snapshots": [10.0], "time.series": []}
+    return Case().with_(**(values | dict(changes or {})))
+
+
+class Moving:
+    """A solver full of columns in motion, which can be put back to where it was.
+
+    Attributes:
+        solver: It, at T_START or some steps later.
+    """
+
+    def __init__(self, case: Case, block: Block) -> None:
+        self.solver = Solver(block.room, block.padded, block.variant, Outputs.of(case))
+        self.solver.load([case] * block.room)
+        state = self.solver.state
+        while float(state.t.numpy()[0]) < T_START:
+            self.solver.replay(budget=20)
+        self._kept = [(array, wp.clone(array)) for array in _arrays(vars(state).values())]
+
+    def put_back(self) -> None:
+        """Undo all steps since T_START."""
+        for live, kept in self._kept:
+            wp.copy(live, kept)
+
+    def seconds(self, steps: int) -> float:
+        """Time of some steps from T_START."""
+        self.put_back()
+        began = time.perf_counter()
+        self.solver.replay(budget=steps)
+        return time.perf_counter() - began
+
+    @property
+    def U(self) -> Array:
+        """State of the first run, shape (3, cells)."""
+        return np.stack([self.solver.state.of_run(u, 0) for u in self.solver.state.U])
+
+    @property
+    def visited(self) -> float:
+        """Share of the cells that the window holds, now."""
+        state = self.solver.state
+        return min(1.0, float(state.hi.numpy()[0] - state.lo.numpy()[0]) / state.cells[0])
+
+
+def _arrays(values: Any) -> Iterator[Any]:
+    """The Warp arrays among some values and in tuples of them."""
+    for value in values:
+        if isinstance(value, wp.array):
+            yield value
+        elif isinstance(value, tuple):
+            yield from _arrays(value)
+
+
+class Crews:
+    """Solvers in motion, one for each thread, kept for all works that need the same."""
+
+    def __init__(self) -> None:
+        self._kept: dict[Hashable, list[Moving]] = {}
+
+    def of(self, work: Work) -> list[Moving]:
+        """As many solvers as the work has threads."""
+        block = work.blocks()[0]
+        crew = self._kept.setdefault((work.cells, work.precision, work.window, block.room), [])
+        while len(crew) < work.threads:
+            crew.append(Moving(work.case, block))
+        return crew[: work.threads]
+
+    def round_of(self, work: Work, steps: int) -> Round:
+        """A round that returns ns per cell-step of a work: time of the thread that takes longest over all it does."""
+        crew = self.of(work)
+        blocks = work.blocks()
+        in_block = blocks[0].room * work.cells * steps
+        repeats = max(1, -(-AT_LEAST * work.threads // (in_block * len(blocks))))
+        count = len(blocks) * repeats
+        shares = [len(range(thread, count, work.threads)) for thread in range(work.threads)]
+
+        def share(moving: Moving, blocks: int) -> float:
+            return sum(moving.seconds(steps) for _ in range(blocks))
+
+        def round_() -> float:
+            with ThreadPoolExecutor(work.threads) as pool:
+                longest = max(pool.map(share, crew, shares))
+            return longest * 1e9 / (count * in_block)
+
+        return round_
+
+
+def measured(rounds: Mapping[Key, Round], count: int) -> tuple[dict[Key, list[float]], dict[Key, float]]:
+    """All rounds of each, interleaved, after one that does not count; and the processors that the best of them had.
+
+    A round that had clearly less of the processors than another of its kind shared them with a stranger: it is
+    repeated, a few times at most.
+    """
+    figures: dict[Key, list[float]] = {name: [] for name in rounds}
+    most = dict.fromkeys(rounds, 0.0)
+    for turn in range(count + 1):
+        for name, round_ in rounds.items():
+            for _ in range(TRIES):
+                figure, busy = _watched(round_)
+                most[name] = max(most[name], busy)
+                if busy > UNDISTURBED * most[name]:
+                    break
+            if turn > 0:
+                figures[name].append(figure)
+    return figures, most
+
+
+def _watched(round_: Round) -> tuple[float, float]:
+    """The figure of a round, and how many processors it had."""
+    wall, processor = time.perf_counter(), time.process_time()
+    figure = round_()
+    return figure, (time.process_time() - processor) / (time.perf_counter() - wall)
+
+
+def median_ratio(above: list[float], below: list[float]) -> float:
+    """Median of the ratios of each round, which what slows a whole round does not touch."""
+    return statistics.median(a / b for a, b in zip(above, below, strict=True))
+
+
+def middle_half(values: list[float]) -> tuple[float, float]:
+    """Where the middle half of the rounds begins and ends."""
+    low, high = np.percentile(values, [25, 75])
+    return float(low), float(high)
