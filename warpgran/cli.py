@@ -117,12 +117,14 @@ def check(file: FileArgument, precision: PrecisionOption = "float64", set_: SetO
         cell_steps = sum(_steps(case) * case.grid.cells for case in study)
         per_run = 8 * sum(_product(column.shape) for column in layout.columns.values())
     case, outputs = study.base, layout.outputs
+    runs = "1 run" if len(study) == 1 else f"{len(study)} runs"
     typer.echo(f"{file}: {case.title or 'untitled'}")
-    typer.echo(f"{len(study)} {'run' if len(study) == 1 else 'runs'}{_over(study)}")
+    typer.echo(f"{runs}{_over(study)}")
     typer.echo(f"{layout.cells} cells of {case.dx * 1e3:.4g} mm, t = {case.time.end:g} s, {_steps(case)} steps or more")
     typer.echo(f"{outputs.snapshots} snapshots and {outputs.samples} samples")
-    typer.echo(f"{cell_steps:.3g} cell-steps or more, {_size(bytes_of_run(layout.cells, outputs, precision))} a run in")
-    typer.echo(f"memory, a file of {_size(per_run * len(study))} before compression")
+    typer.echo(f"{cell_steps:.3g} cell-steps or more")
+    typer.echo(f"memory: {_size(bytes_of_run(layout.cells, outputs, precision))} a run being computed")
+    typer.echo(f"file: {_size(per_run * len(study))} before compression")
 
 
 @app.command()
