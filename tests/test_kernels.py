@@ -9,12 +9,30 @@ import numpy as np
 import pytest
 from cases import at_centres, drawn, small
 
-from warpgran import reference
+from warpgran import engines, reference
 from warpgran.case import Case
+from warpgran.kernels import clock, precision, record
 from warpgran.outputs import Outputs
+from warpgran.schema import Status
 from warpgran.solver import Solver, variant_of
+from warpgran.state import ARRAYS
 
 CELLS = 100
+
+
+def test_constants_of_the_kernels_are_those_of_the_python_side() -> None:
+    """The engines are used without Warp too, so both sides write them down."""
+    assert record.SCALARS == engines.SCALARS
+    assert precision.DRY == reference.DRY
+    for name in ("OK", "DIVERGED", "STEP_LIMIT", "AT_REST"):
+        assert getattr(clock, name) == Status[name]
+
+
+def test_a_state_uses_all_the_memory_it_takes() -> None:
+    state = Solver.holding([small()]).state
+    flat = (*state.U, *state.W, *state.star, *state.F, state.h, state.v, state.phi, state.mu, state.phi_wet, state.s,
+            state.v_f, state.Dz, state.iota, state.bhat, state.dbhat)  # fmt: skip
+    assert len({array.ptr for array in flat}) == ARRAYS
 
 
 def rough_case(**changes: Any) -> Case:

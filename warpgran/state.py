@@ -20,7 +20,7 @@ from warpgran.outputs import Outputs
 
 Array = np.ndarray
 
-ARRAYS = 29
+ARRAYS = 25
 """Flat arrays of a state."""
 
 
@@ -57,8 +57,8 @@ class State:
         def many(n: int, dtype: Any) -> list[Any]:
             return [wp.zeros(runs, dtype=dtype, device=device) for _ in range(n)]
 
-        # One piece of memory, so that all of it is zeroed at once; an odd number of cache lines from array to array,
-        # so that equal indices of different arrays do not compete for the same places of the cache.
+        # One piece of memory, so that all of it is zeroed at once; from array to array an odd multiple of MARGIN,
+        # one or two cache lines, so that equal indices do not all compete for the same places of the cache.
         stride = -(-self.size // MARGIN) * MARGIN + MARGIN
         stride += MARGIN * (stride // MARGIN % 2 == 0)
         self._slab = wp.zeros(ARRAYS * stride, dtype=precision.Real, device=device)
