@@ -1,0 +1,1 @@
+"""`warpgran reproduce`: the figures and claims of the paper, from the run files in runs/paper/."""

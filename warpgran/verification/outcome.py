@@ -1,0 +1,57 @@
+"""What a verification case hands over: rows of the table, figures, and words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Row:
+    """One thing compared.
+
+    Attributes:
+        compared: What with what, at which instant and over which cells.
+        error: Of the finest grid, in `unit`.
+        unit: Of the error; "-" if it is relative.
+        bound: What it must hold to, in words and numbers; "reported" if nothing is asked.
+        holds: Whether it does; None if it is only reported.
+        order: Observed order of accuracy, NaN where there is none.
+    """
+
+    compared: str
+    error: float
+    unit: str
+    bound: str
+    holds: bool | None
+    order: float = float("nan")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a case.
+
+    Attributes:
+        title: Of the case.
+        text: What is computed, the exact solution and its source, and what is to be seen; a paragraph a string.
+        rows: Of the table.
+        figures: By file name without suffix; the caption is the figure's label.
+        run_files: Text of run files that reproduce what failed, by file name.
+    """
+
+    title: str
+    text: tuple[str, ...]
+    rows: tuple[Row, ...]
+    figures: dict[str, Figure] = field(default_factory=dict)
+    run_files: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def holds(self) -> bool:
+        """Whether all that is asked of it holds."""
+        return all(row.holds is not False for row in self.rows)
+
+
+Check = Callable[[], Outcome]
+"""A case of the collection: computes, compares, and hands over what came of it."""
