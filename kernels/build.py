@@ -22,7 +22,7 @@ class Kernels(NamedTuple):
     """The kernels of a variant: those of a step in their order of launch, then what starts the loop."""
 
     decode: Any
-    friction: Any
+    fill: Any
     boundary: Any
     record: Any
     limits: Any
@@ -46,7 +46,7 @@ def build(variant: Variant) -> Kernels:
     return Kernels(
         *cells,
         record=careful.record,
-        limits=timestep.make_limits(variant, fast),
+        limits=timestep.make_limits(variant, laws, fast),
         time_step=careful.time_step,
         reconstruct=reconstruction.make(variant, laws, fast),
         flux=flux.make(variant, laws, fast),

@@ -4,6 +4,7 @@ from typing import Any
 
 import warp as wp
 
+from warpgran.kernels import division
 from warpgran.kernels.precision import Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 from warpgran.kernels.rheology import Rheology
@@ -14,7 +15,7 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
     tiny = Real(kinds.tiny)
-    power = rheology.power
+    power, inverses = rheology.power, division.make(kinds)
 
     @wp.func
     def positive(x: Real) -> Real:
@@ -29,21 +30,22 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         Bouchut (2004), section 2.4; 3/2 is (gamma + 1)/2 for gamma = 2.
         """
         dp = p_2 - p_1
-        S_1 = s_1 + Real(1.5) * positive(dp / wp.max(rho_2 * s_2, tiny) + D)
-        c_1 = rho_1 * S_1
-        rise = positive(D - dp / wp.max(c_1, tiny))
-        S_2 = s_2 + Real(1.5) * wp.where(c_1 > Real(0.0), rise, Real(0.0))
+        b = rho_2 * s_2
+        bc = rho_1 * (s_1 * b + Real(1.5) * positive(dp + D * b))  # b c_1
+        per_b, per_bc = inverses(wp.max(b, tiny), wp.max(bc, tiny))
+        S_1 = s_1 + Real(1.5) * positive(dp * per_b + D)
+        rise = positive(D - dp * (b * per_bc))
+        S_2 = s_2 + Real(1.5) * wp.where(bc > Real(0.0), rise, Real(0.0))
         return S_1, S_2
 
     @wp.func
-    def suliciu(h_l: Real, v_l: Real, phi_l: Real, h_r: Real, v_r: Real, phi_r: Real, g_c: Real):
-        """Mass and momentum flux (F0 [m2/s], F1 [m3/s2]) of the homogeneous system (B.12)."""
-        rho_l = phi_l * h_l
-        rho_r = phi_r * h_r
-        p_l = Real(0.5) * g_c * rho_l * h_l
-        p_r = Real(0.5) * g_c * rho_r * h_r
-        s_l = wp.sqrt(g_c * h_l)
-        s_r = wp.sqrt(g_c * h_r)
+    def suliciu(
+        rho_l: Real, v_l: Real, p_l: Real, s_l: Real, rho_r: Real, v_r: Real, p_r: Real, s_r: Real,
+    ):  # fmt: skip
+        """Mass and momentum flux (F0 [m2/s], F1 [m3/s2]) of the homogeneous system (B.12).
+
+        Of each side: rho = phi h [m], v [m/s], p = g_c phi h^2/2 [m3/s2], s = sqrt(g_c h) [m/s].
+        """
         D = v_l - v_r
         up = p_r >= p_l  # pressure rises to the right
         S_1, S_2 = lagrangian_speeds(
@@ -54,12 +56,11 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         S_r = wp.where(up, S_2, S_1)
         c_l = rho_l * S_l
         c_r = rho_r * S_r
-        per_c = Real(1.0) / wp.max(c_l + c_r, tiny)
-        v_star = (c_l * v_l + c_r * v_r + p_l - p_r) * per_c
-        p_star = (c_r * p_l + c_l * p_r + c_l * c_r * D) * per_c
+        c = wp.max(c_l + c_r, tiny)
+        push = c_l * v_l + c_r * v_r + p_l - p_r  # c v*
 
         # The upwind side (u), seen along its own direction of flow; downwind (d).
-        to_right = v_star >= Real(0.0)
+        to_right = push >= Real(0.0)
         rho_u = wp.where(to_right, rho_l, rho_r)
         v_u = wp.where(to_right, v_l, v_r)
         p_u = wp.where(to_right, p_l, p_r)
@@ -67,8 +68,11 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         c_d = wp.where(to_right, c_r, c_l)
         p_d = wp.where(to_right, p_r, p_l)
         # 1/rho* = 1/rho + (p_u - p_d - c_d D)/(c_u c), multiplied by rho c_u c = rho^2 S_u c
-        stretched = S_u + (p_u - p_d - c_d * D) * per_c
-        rho_star = rho_u * S_u / wp.where(rho_u > Real(0.0), stretched, Real(1.0))
+        stretched = S_u * c + (p_u - p_d - c_d * D)
+        per_c, per_stretched = inverses(c, wp.where(rho_u > Real(0.0), stretched, Real(1.0)))
+        rho_star = rho_u * (S_u * c) * per_stretched
+        v_star = push * per_c
+        p_star = (c_r * p_l + c_l * p_r + c_l * c_r * D) * per_c
         supersonic = wp.where(to_right, v_u, -v_u) >= S_u
         rho = wp.where(supersonic, rho_u, rho_star)
         speed = wp.where(supersonic, v_u, v_star)
@@ -91,7 +95,7 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
 
     @wp.kernel(module=module)
     def flux(
-        h: A, v: A, phi: A, h_l_star: A, h_r_star: A, phi_l_star: A, phi_r_star: A, Dz: A, params: Params,
+        h: A, v: A, phi: A, celerity: A, h_star: A, phi_star: A, Dz: A, params: Params,
         lo: Ints, hi: Ints, active: Ints, chunks: int,
         F0: A, F1_l: A, F1_r: A, F2: A,
     ):  # fmt: skip
@@ -104,19 +108,25 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         half_g = Real(0.5) * p.g_c
         while left < end:
             i = left + 1
+            rising = Dz[i] > Real(0.0)  # the left side climbs and is reconstructed (s), else the right side
             v_l = v[left]
             v_r = v[i]
-            h_ls = h_l_star[i]
-            h_rs = h_r_star[i]
-            phi_ls = phi_l_star[i]
-            phi_rs = phi_r_star[i]
-            mass, momentum = suliciu(h_ls, v_l, phi_ls, h_rs, v_r, phi_rs, p.g_c)
-            lost_l = half_g * (phi[left] * h[left] * h[left] - phi_ls * h_ls * h_ls)
-            lost_r = half_g * (phi[i] * h[i] * h[i] - phi_rs * h_rs * h_rs)
+            rho_l = phi[left] * h[left]
+            rho_r = phi[i] * h[i]
+            p_l = half_g * rho_l * h[left]
+            p_r = half_g * rho_r * h[i]
+            rho_s = phi_star[i] * h_star[i]
+            p_s = half_g * rho_s * h_star[i]
+            s_s = wp.sqrt(p.g_c * h_star[i])
+            mass, momentum = suliciu(
+                wp.where(rising, rho_s, rho_l), v_l, wp.where(rising, p_s, p_l), wp.where(rising, s_s, celerity[left]),
+                wp.where(rising, rho_r, rho_s), v_r, wp.where(rising, p_r, p_s), wp.where(rising, celerity[i], s_s),
+            )  # fmt: skip
             F0[i] = mass
-            F1_l[i] = momentum + lost_l + source(mass, Dz[i], v_l, v_r, p)
-            F1_r[i] = momentum + lost_r + source(mass, -Dz[i], v_r, v_l, p)
-            F2[i] = mass * power(wp.where(mass >= Real(0.0), phi_ls, phi_rs), p)
+            F1_l[i] = momentum + wp.where(rising, p_l - p_s, Real(0.0)) + source(mass, Dz[i], v_l, v_r, p)
+            F1_r[i] = momentum + wp.where(rising, Real(0.0), p_r - p_s) + source(mass, -Dz[i], v_r, v_l, p)
+            phi_u = wp.where(mass >= Real(0.0), phi[left], phi[i])
+            F2[i] = mass * power(wp.where(rising == (mass >= Real(0.0)), phi_star[i], phi_u), p)
             left += wp.block_dim()
 
     return flux

@@ -41,7 +41,7 @@ class Precision:
         Array: wp.array of Real, one dimension.
         RunParams: struct of one run's parameters.
         Params: wp.array of RunParams, shape (runs,).
-        tiny: floor under denominators that may vanish.
+        tiny: floor under denominators that may vanish; in float64 two of them multiplied do not underflow.
     """
 
     name: str
@@ -94,7 +94,7 @@ def _run_params(Real: Any) -> Any:
 @functools.cache
 def precision(name: str) -> Precision:
     """The types of `name`, "float64" or "float32"; a struct may be defined only once, hence cached."""
-    Real, tiny = {"float64": (wp.float64, 1e-200), "float32": (wp.float32, 1e-36)}[name]
+    Real, tiny = {"float64": (wp.float64, 1e-150), "float32": (wp.float32, 1e-36)}[name]
     RunParams = _run_params(Real)
     return Precision(name, Real, wp.array(dtype=Real), RunParams, wp.array(dtype=RunParams), tiny)
 

@@ -30,20 +30,15 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         return projection(projection(X, mu) + push, mu)
 
     @wp.func
-    def driving_slope(h_l: Real, h_r: Real, phi_l: Real, phi_r: Real, dbhat: Real, p: RunParams) -> Real:
-        """X (3.12): the slope that pressure and gravity would drive down."""
-        p_l = power(phi_l, p)
-        p_r = power(phi_r, p)
-        return (h_l - h_r - dbhat + (h_l + h_r) * (p_l - p_r) / (p_l + p_r) * p.per_2a) * p.per_dx
+    def reconstructed(h: Real, phi: Real, per_mass: Real, phi_over: Real, z: Real, p: RunParams):
+        """h* [m] and phi* of the side that climbs by z [m] toward phi_over (B.23), (B.24), (B.26), (B.27).
 
-    @wp.func
-    def reconstructed(h: Real, phi: Real, phi_over: Real, z: Real, p: RunParams):
-        """h* [m] and phi* of the side that climbs by z [m] toward phi_over (B.23), (B.24), (B.26), (B.27)."""
-        r = Real(1.0) / (phi * wp.max(h, tiny))  # for phi_over/phi and h*/h
-        deficit = wp.max(Real(1.0) - power(phi_over * (wp.max(h, tiny) * r), p), Real(0.0))
+        per_mass: 1/(phi h), for phi_over/phi and h*/h without a division; 0 if dry, which gives h* = 0.
+        """
+        deficit = wp.max(Real(1.0) - power(phi_over * (h * per_mass), p), Real(0.0))
         regain = wp.min(h * deficit * p.per_2a, z * p.per_2alpha_1)
         h_star = wp.max(h + regain - z, Real(0.0))
-        lowered = wp.max(phi * root(h_star * (phi * r), p), phi_over)
+        lowered = wp.max(phi * root(h_star * (phi * per_mass), p), phi_over)
         return h_star, wp.where(phi_over < phi, lowered, phi)
 
     @wp.func
@@ -61,11 +56,14 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
 
     @wp.kernel(module=module)
     def reconstruct(
-        h: A, v: A, phi: A, mu: A, v_f: A, dbhat: A, dt: A, params: Params, lo: Ints,
+        h: A, v: A, phi: A, mu: A, per_mass: A, v_f: A, X: A, dbhat: A, dt: A, params: Params, lo: Ints,
         hi: Ints, active: Ints, chunks: int,
-        h_l_star: A, h_r_star: A, phi_l_star: A, phi_r_star: A, Dz: A, iota: A,
+        h_star: A, phi_star: A, Dz: A, iota: A,
     ):  # fmt: skip
-        """States on both sides of each interface; only the side that climbs the jump Dz is changed."""
+        """The jump Dz at each interface, and the state of the side that climbs it; the other side keeps its own.
+
+        The left side climbs if Dz > 0, the right side else.
+        """
         t = wp.tid()
         r = run_of(t, chunks)
         p = params[r]
@@ -74,24 +72,18 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         per_g_dt = Real(1.0) / (p.g_c * dt[r])
         while left < end:
             i = left + 1
-            h_l = h[left]
-            h_r = h[i]
-            phi_l = phi[left]
-            phi_r = phi[i]
-            X = driving_slope(h_l, h_r, phi_l, phi_r, dbhat[i], p)
             mu_f = Real(0.5) * (mu[left] + mu[i])
-            jump = dbhat[i] + p.dx * apparent_bed(X, v_f[i] * per_g_dt, mu_f)
+            jump = dbhat[i] + p.dx * apparent_bed(X[i], v_f[i] * per_g_dt, mu_f)
 
             rising = jump > Real(0.0)
-            h_c = wp.where(rising, h_l, h_r)
-            phi_c = wp.where(rising, phi_l, phi_r)
-            phi_over = wp.where(rising, phi_r, phi_l)
-            h_star, phi_star = reconstructed(h_c, phi_c, phi_over, climb(jump, v[left], v[i], p), p)
+            h_c = wp.where(rising, h[left], h[i])
+            phi_c = wp.where(rising, phi[left], phi[i])
+            per_mass_c = wp.where(rising, per_mass[left], per_mass[i])
+            phi_over = wp.where(rising, phi[i], phi[left])
+            h_s, phi_s = reconstructed(h_c, phi_c, per_mass_c, phi_over, climb(jump, v[left], v[i], p), p)
 
-            h_l_star[i] = wp.where(rising, h_star, h_l)
-            h_r_star[i] = wp.where(rising, h_r, h_star)
-            phi_l_star[i] = wp.where(rising, phi_star, phi_l)
-            phi_r_star[i] = wp.where(rising, phi_r, phi_star)
+            h_star[i] = h_s
+            phi_star[i] = phi_s
             Dz[i] = jump
             iota[i] = wp.max(v_f[i] * jump, Real(0.0))
             left += wp.block_dim()

@@ -1,30 +1,32 @@
-"""Steps 3 and 4: interface velocities, and the time step of each run."""
+"""Steps 3 and 4: velocities and driving slopes at interfaces, and the time step of each run."""
 
 from typing import Any
 
 import warp as wp
 
+from warpgran.kernels import division
 from warpgran.kernels.precision import Doubles, Ints, Precision, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
+from warpgran.kernels.rheology import Rheology
 
 
-def make_limits(variant: Variant, module: Any) -> Any:
+def make_limits(variant: Variant, rheology: Rheology, module: Any) -> Any:
     """The kernel that looks at all cells."""
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
     tiny = Real(kinds.tiny)
+    power, inverses = rheology.power, division.make(kinds)
 
     @wp.func
-    def face_velocity(h_l: Real, v_l: Real, phi_l: Real, h_r: Real, v_r: Real, phi_r: Real) -> Real:
-        """Mass-weighted velocity at an interface (3.8) [m/s]; 0 between dry cells."""
+    def at_face(h_l: Real, v_l: Real, phi_l: Real, h_r: Real, v_r: Real, phi_r: Real, dbhat: Real, p: RunParams):
+        """Mass-weighted velocity [m/s] (3.8), 0 between dry cells; X (3.12), the slope pressure and gravity drive."""
         rho_l = phi_l * h_l
         rho_r = phi_r * h_r
-        return (rho_l * v_l + rho_r * v_r) / wp.max(rho_l + rho_r, tiny)
-
-    @wp.func
-    def wave_speed(h: Real, v: Real, p: RunParams) -> Real:
-        """Fastest wave |v| + sqrt(g_c h) of a cell [m/s]."""
-        return wp.abs(v) + wp.sqrt(p.g_c * h)
+        p_l = power(phi_l, p)
+        p_r = power(phi_r, p)
+        per_rho, per_p = inverses(wp.max(rho_l + rho_r, tiny), p_l + p_r)
+        X = (h_l - h_r - dbhat + (h_l + h_r) * (p_l - p_r) * per_p * p.per_2a) * p.per_dx
+        return (rho_l * v_l + rho_r * v_r) * per_rho, X
 
     @wp.func
     def viscosity_bound(v_f: Real, dbhat: Real, mu_l: Real, mu_r: Real, p: RunParams) -> Real:
@@ -33,11 +35,11 @@ def make_limits(variant: Variant, module: Any) -> Any:
 
     @wp.kernel(module=module)
     def limits(
-        h: A, v: A, phi: A, mu: A, dbhat: A, params: Params, lo: Ints, hi: Ints,
+        h: A, v: A, phi: A, mu: A, celerity: A, dbhat: A, params: Params, lo: Ints, hi: Ints,
         active: Ints, chunks: int,
-        v_f: A, max_speed: A, max_viscosity: A,
+        v_f: A, X: A, max_speed: A, max_viscosity: A,
     ):  # fmt: skip
-        """Interface velocities, and what limits the step of a run: its largest wave speed and viscosity bound."""
+        """v_f and X of interfaces, and what limits the step of a run: its fastest wave and its viscosity bound."""
         t = wp.tid()
         r = run_of(t, chunks)
         p = params[r]
@@ -48,11 +50,12 @@ def make_limits(variant: Variant, module: Any) -> Any:
         viscosity = Real(0.0)
         while left < end:
             i = left + 1
-            v_i = face_velocity(h[left], v[left], phi[left], h[i], v[i], phi[i])
+            v_i, X_i = at_face(h[left], v[left], phi[left], h[i], v[i], phi[i], dbhat[i], p)
             v_f[i] = v_i
+            X[i] = X_i
             bound = viscosity_bound(v_i, dbhat[i], mu[left], mu[i], p)
             viscosity = wp.max(viscosity, wp.where(i < beyond, bound, Real(0.0)))
-            speed = wp.max(speed, wave_speed(h[i], v[i], p))
+            speed = wp.max(speed, wp.abs(v[i]) + celerity[i])
             left += wp.block_dim()
         if active[r] != 0:
             wp.atomic_max(max_speed, r, speed)

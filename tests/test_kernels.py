@@ -30,8 +30,9 @@ def test_constants_of_the_kernels_are_those_of_the_python_side() -> None:
 
 def test_a_state_uses_all_the_memory_it_takes() -> None:
     state = Solver.holding([small()]).state
-    flat = (*state.U, *state.W, *state.star, *state.F, state.h, state.v, state.phi, state.mu, state.phi_wet, state.s,
-            state.v_f, state.Dz, state.iota, state.bhat, state.dbhat)  # fmt: skip
+    flat = (*state.U, *state.W, *state.F, state.h, state.v, state.phi, state.mu, state.phi_wet, state.s,
+            state.per_mass, state.celerity, state.v_f, state.X, state.h_star, state.phi_star, state.Dz, state.iota,
+            state.bhat, state.dbhat)  # fmt: skip
     assert len({array.ptr for array in flat}) == ARRAYS
 
 
@@ -69,7 +70,7 @@ def expected_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
     return {
         "h": fields.h, "v": fields.v, "phi": fields.phi, "mu": mu, "v_f": v_f[inner], "dt": np.array([dt]),
         "Dz": Dz[inner], "iota": reference.positive(v_f * Dz)[inner],
-        "h_l_star": h_l, "h_r_star": h_r, "phi_l_star": phi_l, "phi_r_star": phi_r,
+        "h_star": np.where(Dz > 0.0, h_l, h_r), "phi_star": np.where(Dz > 0.0, phi_l, phi_r),
         "F0": flux.F0, "F1_l": flux.F1_l, "F1_r": flux.F1_r, "F2": flux.F2,
         "W0": updated[0], "W1": updated[1], "W2": relaxed[2], "s": reference.quotient(relaxed[2], relaxed[0]),
         "U0": run.U[0], "U1": run.U[1], "U2": run.U[2],
@@ -86,9 +87,10 @@ def actual_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
     at_cells = {"h": s.h, "v": s.v, "phi": s.phi, "mu": s.mu, "s": s.s}
     at_cells |= {f"W{k}": w for k, w in enumerate(s.W)}
     at_inner = {"v_f": s.v_f, "Dz": s.Dz, "iota": s.iota}
-    at_all = dict(zip(("h_l_star", "h_r_star", "phi_l_star", "phi_r_star"), s.star, strict=True))
+    at_all = {"h_star": s.h_star, "phi_star": s.phi_star}
     at_all |= dict(zip(("F0", "F1_l", "F1_r", "F2"), s.F, strict=True))
-    for array in (*at_cells.values(), *at_inner.values(), *at_all.values(), s.phi_wet, s.dt):
+    between = s.phi_wet, s.per_mass, s.celerity, s.X
+    for array in (*at_cells.values(), *at_inner.values(), *at_all.values(), *between, s.dt):
         values = array.numpy()
         values[row : row + n + 1] = np.nan
         if array is s.dt:
@@ -102,9 +104,7 @@ def actual_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
     return {**found, "dt": s.dt.numpy()}
 
 
-STAGES = (
-    "h v phi mu v_f dt Dz iota h_l_star h_r_star phi_l_star phi_r_star F0 F1_l F1_r F2 W0 W1 W2 s U0 U1 U2"
-).split()
+STAGES = ("h v phi mu v_f dt Dz iota h_star phi_star F0 F1_l F1_r F2 W0 W1 W2 s U0 U1 U2").split()
 
 
 @pytest.fixture(scope="module", params=[2.0, 1.5])

@@ -88,17 +88,23 @@ class Solver:
     def step(self) -> None:
         """One step of every active run, each by its own dt and not beyond its next output time."""
         s, k = self.state, self.kernels
-        self._over_cells(k.decode, s.U, [s.h, s.v, s.phi_wet])
-        self._over_cells(k.friction, [s.h, s.v, s.phi_wet], [s.phi, s.mu])
-        self._over_runs(k.boundary, [s.params, s.active, s.h, s.v, s.phi, s.mu])
+        self._over_cells(k.decode, s.U, [s.h, s.v, s.phi_wet, s.mu, s.per_mass, s.celerity])
+        self._over_cells(k.fill, [s.phi_wet], [s.phi, s.mu])
+        self._over_runs(k.boundary, [s.params, s.active, s.h, s.v, s.phi, s.mu, s.celerity])
         self._over_runs(k.record, [*s.U, s.h, s.v, s.phi, s.bhat, s.lo, s.hi, s.left, s.params, s.steps, s.snapshot_at,
                                    s.sample_at, s.outputs.snapshots, s.outputs.samples, s.padded, s.due, s.active,
                                    s.status, s.bad_cell, s.output, s.speed, s.scalars, *s.snapshots])  # fmt: skip
-        self._over_cells(k.limits, [s.h, s.v, s.phi, s.mu, s.dbhat], [s.v_f, s.max_speed, s.max_viscosity])
+        self._over_cells(
+            k.limits, [s.h, s.v, s.phi, s.mu, s.celerity, s.dbhat], [s.v_f, s.X, s.max_speed, s.max_viscosity]
+        )
         self._over_runs(k.time_step, [s.params, s.active, s.t, s.times, s.output, s.max_speed, s.max_viscosity,
                                       s.dt, s.dt_exact, s.budget, s.running])  # fmt: skip
-        self._over_cells(k.reconstruct, [s.h, s.v, s.phi, s.mu, s.v_f, s.dbhat, s.dt], [*s.star, s.Dz, s.iota])
-        self._over_cells(k.flux, [s.h, s.v, s.phi, *s.star, s.Dz], s.F)
+        self._over_cells(
+            k.reconstruct,
+            [s.h, s.v, s.phi, s.mu, s.per_mass, s.v_f, s.X, s.dbhat, s.dt],
+            [s.h_star, s.phi_star, s.Dz, s.iota],
+        )
+        self._over_cells(k.flux, [s.h, s.v, s.phi, s.celerity, s.h_star, s.phi_star, s.Dz], s.F)
         self._over_cells(k.update, [*s.U, *s.F, s.dt], s.W)
         self._over_cells(k.relax, [s.W[0], s.W[1], s.dt], [s.W[2], s.s])
         self._over_cells(k.diffuse, [*s.W, s.s, s.iota, s.dt], s.U)

@@ -20,7 +20,7 @@ from warpgran.outputs import Outputs
 
 Array = np.ndarray
 
-ARRAYS = 25
+ARRAYS = 26
 """Flat arrays of a state."""
 
 
@@ -36,8 +36,10 @@ class State:
         U: conserved state, three arrays: phi h [m], phi h v [m2/s], phi^alpha h [m].
         W: the state after the update and the relaxation, as U.
         h, v, phi, mu: what U decodes to at cells [m, m/s, -, -]; phi_wet: phi, 0 in dry cells; s: U2/U0.
-        v_f, Dz, iota: velocity [m/s], jump of the total topography [m] and viscosity [m2/s] at interfaces.
-        star: reconstructed h_l, h_r [m], phi_l, phi_r at interfaces.
+        per_mass, celerity: 1/(phi h) [1/m] and sqrt(g_c h) [m/s], 0 in dry cells.
+        v_f, X, Dz, iota: velocity [m/s], driving slope, jump of the total topography [m] and viscosity [m2/s] at
+            interfaces.
+        h_star, phi_star: reconstructed state of the side of an interface that climbs [m, -].
         F: fluxes F0, F1 as the left and the right cell see it, F2, at interfaces.
         bhat, dbhat: total bed at cells, its jump at interfaces [m].
         lo, hi: window of cells visited, per run; active: whether a run advances; due: whether it is to be recorded.
@@ -66,8 +68,9 @@ class State:
         self.U = next(views), next(views), next(views)
         self.W = next(views), next(views), next(views)
         self.h, self.v, self.phi, self.mu, self.phi_wet, self.s = (next(views) for _ in range(6))
-        self.v_f, self.Dz, self.iota, self.bhat, self.dbhat = (next(views) for _ in range(5))
-        self.star = tuple(next(views) for _ in range(4))
+        self.per_mass, self.celerity = next(views), next(views)
+        self.v_f, self.X, self.Dz, self.iota, self.bhat, self.dbhat = (next(views) for _ in range(6))
+        self.h_star, self.phi_star = next(views), next(views)
         self.F = tuple(next(views) for _ in range(4))
 
         self.params = wp.zeros(runs, dtype=precision.RunParams, device=device)
