@@ -7,6 +7,7 @@ from warpgran.kernels import (
     clock,
     decode,
     flux,
+    periodic,
     reconstruction,
     record,
     relaxation,
@@ -19,7 +20,11 @@ from warpgran.kernels.precision import CAREFUL, FAST, Variant, module, precision
 
 
 class Kernels(NamedTuple):
-    """The kernels of a variant: those of a step in their order of launch, then what starts the loop."""
+    """The kernels of a variant: those of a step in their order of launch, then what starts the loop.
+
+    `wrap` is launched where a stage reads the ghost cells of what the stage before has written; None where no run is
+    periodic.
+    """
 
     decode: Any
     fill: Any
@@ -34,6 +39,7 @@ class Kernels(NamedTuple):
     diffuse: Any
     tick: Any
     start: Any
+    wrap: Any
 
 
 @functools.cache
@@ -42,9 +48,12 @@ def build(variant: Variant) -> Kernels:
     fast = module(variant.name, FAST)
     laws = rheology.make(variant)
     cells = decode.make(variant, laws, fast)
+    ends = periodic.make(variant, fast) if variant.periodic else periodic.Periodic(cells.boundary, None)
     careful = _careful(variant.precision)
     return Kernels(
-        *cells,
+        decode=cells.decode,
+        fill=cells.fill,
+        boundary=ends.boundary,
         record=careful.record,
         limits=timestep.make_limits(variant, laws, fast),
         time_step=careful.time_step,
@@ -55,6 +64,7 @@ def build(variant: Variant) -> Kernels:
         diffuse=viscosity.make(variant, fast),
         tick=careful.tick,
         start=careful.start,
+        wrap=ends.wrap,
     )
 
 

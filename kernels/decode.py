@@ -73,15 +73,16 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Decode:
             left += wp.block_dim()
 
     @wp.func
-    def set_ghost(h: A, v: A, phi: A, mu: A, celerity: A, ghost: int, cell: int, v_factor: Real):
+    def set_ghost(h: A, v: A, phi: A, mu: A, per_mass: A, celerity: A, ghost: int, cell: int, v_factor: Real):
         h[ghost] = h[cell]
         v[ghost] = v_factor * v[cell]
         phi[ghost] = phi[cell]
         mu[ghost] = -mu[cell]
+        per_mass[ghost] = per_mass[cell]
         celerity[ghost] = celerity[cell]
 
     @wp.kernel(module=module)
-    def boundary(params: Params, active: Ints, h: A, v: A, phi: A, mu: A, celerity: A):
+    def boundary(params: Params, active: Ints, h: A, v: A, phi: A, mu: A, per_mass: A, celerity: A):
         """Ghost cells: a wall mirrors the cell, an open end copies it.
 
         The ghost's friction is -mu, so that the interface friction, and with it Dz and iota, is exactly 0 there.
@@ -89,7 +90,7 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Decode:
         r = wp.tid()
         p = params[r]
         if active[r] != 0:
-            set_ghost(h, v, phi, mu, celerity, p.row - 1, p.row, p.v_left)
-            set_ghost(h, v, phi, mu, celerity, p.row + p.cells, p.row + p.cells - 1, p.v_right)
+            set_ghost(h, v, phi, mu, per_mass, celerity, p.row - 1, p.row, p.v_left)
+            set_ghost(h, v, phi, mu, per_mass, celerity, p.row + p.cells, p.row + p.cells - 1, p.v_right)
 
     return Decode(decode, fill, boundary)

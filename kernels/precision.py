@@ -85,7 +85,7 @@ def _run_params(Real: Any) -> Any:
         xi2: Real
         xi3: Real
         xi_max: Real
-        v_left: Real  # velocity of the left ghost cell over that of cell 0: -1 wall, 1 open
+        v_left: Real  # velocity of the left ghost cell over that of cell 0: -1 wall, 1 open; periodic: not used
         v_right: Real
 
     return RunParams
@@ -110,6 +110,7 @@ class Variant:
         phi_eq: "f0", "f1", "f2", or "f2_one" for f2 with N = 1.
         relaxation: "rational" or "exponential".
         viscosity: "bounded" or "paper".
+        periodic: whether the two ends are one interface.
     """
 
     precision: str = "float64"
@@ -118,13 +119,15 @@ class Variant:
     phi_eq: str = "f2_one"
     relaxation: str = "rational"
     viscosity: str = "bounded"
+    periodic: bool = False
 
     @property
     def name(self) -> str:
         """A name for the compiled module."""
         alpha = "alpha2" if self.alpha_two else "alpha"
         head = "" if self.lambda_zero else "_lambda"
-        return f"warpgran_{self.precision}_{alpha}{head}_{self.phi_eq}_{self.relaxation}_{self.viscosity}"
+        ends = "_periodic" if self.periodic else ""
+        return f"warpgran_{self.precision}_{alpha}{head}_{self.phi_eq}_{self.relaxation}_{self.viscosity}{ends}"
 
 
 def module(name: str, flags: str) -> Any:

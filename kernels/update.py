@@ -25,7 +25,7 @@ def make(variant: Variant, module: Any) -> Any:
         p = params[r]
         i = first_of(t, chunks, p.row, lo[r], hi[r])
         end = end_of(t, chunks, p.row, lo[r], hi[r], active[r])
-        beyond = p.row + p.cells  # the ghost cell and the padding keep U = 0
+        beyond = p.row + p.cells  # the ghost cell and the padding are not updated
         ratio = dt[r] / p.dx
         while i < end:
             k = wp.where(i < beyond, ratio, Real(0.0))

@@ -16,6 +16,7 @@ CACHE = 2**20
 
 _VARIANT_KEYS = (
     "rheology.phi_eq", "rheology.phi_eq_N", "scheme.alpha", "scheme.lambda", "scheme.relaxation", "scheme.viscosity",
+    "scheme.left", "scheme.right",
 )  # fmt: skip
 
 

@@ -197,6 +197,19 @@ class Case(Model):
         """Total bed b - x tan(theta) at the cell centres, m, shape (cells,)."""
         return self.bed - self.x * math.tan(math.radians(self.slope.angle))
 
+    @property
+    def dbhat(self) -> Array:
+        """Jump of the total bed at the interfaces, m, shape (cells + 1,): 0 at the two ends, which have one side.
+
+        Periodic ends are one interface, whose sides are the last cell and the first: the bed jumps there by
+        b(first) - b(last) - dx tan(theta). The slope then weighs the same, to the bit, at every interface.
+        """
+        if not self.scheme.periodic:
+            return np.concatenate(([0.0], np.diff(self.bhat), [0.0]))
+        bed = self.bed
+        jumps = np.diff(bed, prepend=bed[-1], append=bed[0])
+        return jumps - self.dx * math.tan(math.radians(self.slope.angle))
+
     def initial_state(self) -> tuple[Array, Array]:
         """Thickness h, m, and solid volume fraction phi at the cell centres at time 0, each of shape (cells,).
 

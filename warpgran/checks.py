@@ -22,6 +22,8 @@ def cross_problems(
     if rheology.mu2 < rheology.mu1:
         allowed = f">= rheology.mu1, which is {rheology.mu1}"
         yield _out_of_range("rheology.mu2", rheology.mu2, allowed, "rheology.mu1")
+    if (scheme.left == "periodic") != (scheme.right == "periodic"):
+        yield _half_periodic(scheme)
     yield from _time_problems(time)
     problem = _grid_problem(grid)
     if problem:
@@ -38,6 +40,12 @@ def cross_problems(
 
 def _out_of_range(key: str, value: Any, allowed: str, *involves: str) -> Problem:
     return Problem(key, f"{value} is out of range; allowed: {allowed}", involves)
+
+
+def _half_periodic(scheme: Scheme) -> Problem:
+    key, other = ("scheme.left", "scheme.right") if scheme.left == "periodic" else ("scheme.right", "scheme.left")
+    value = scheme.right if scheme.left == "periodic" else scheme.left
+    return Problem(key, f'"periodic" needs both ends to be periodic, and {other} is "{value}"', (other,))
 
 
 def _grid_problem(grid: Grid) -> Problem | None:

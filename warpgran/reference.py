@@ -100,16 +100,19 @@ def decode(U: Array, case: Case) -> Fields:
     phi = np.where(wet, np.where(wet, U2, 0.0) / mass, 0.0) ** (1.0 / a)
     h = np.where(wet, U0 / np.where(wet, phi, 1.0), 0.0)
     v = np.where(wet, U1 / mass, 0.0)
-    beside = np.zeros_like(phi)
-    beside[1:] = phi[:-1]
-    beside[:-1] = np.maximum(beside[:-1], phi[1:])
+    wet_l, wet_r = with_ghosts(phi, 0.0, 0.0, periodic=case.scheme.periodic)
+    beside = np.maximum(wet_l[:-1], wet_r[1:])
     dry_phi = np.where(beside > 0.0, beside, case.rheology.phi_stat)
     return Fields(h, v, np.where(wet, phi, dry_phi))
 
 
-def with_ghosts(cells: Array, left: float = 1.0, right: float = 1.0) -> Sides:
-    """The values on the two sides of every interface; beyond an end, the end's cell times `left` or `right`."""
-    padded = np.concatenate(([left * cells[0]], cells, [right * cells[-1]]))
+def with_ghosts(cells: Array, left: float = 1.0, right: float = 1.0, *, periodic: bool = False) -> Sides:
+    """The values on the two sides of every interface.
+
+    Beyond an end stands the end's cell times `left` or `right`; if the ends are periodic, the cell at the other end.
+    """
+    before, after = (cells[-1], cells[0]) if periodic else (left * cells[0], right * cells[-1])
+    padded = np.concatenate(([before], cells, [after]))
     return padded[:-1], padded[1:]
 
 
@@ -179,10 +182,11 @@ def suliciu(h: Sides, v: Sides, phi: Sides, case: Case) -> Sides:
 
 def interface_flux(fields: Fields, Dz: Array, case: Case) -> Flux:
     """Well-balanced two-sided flux (B.31), (B.32) through every interface. Dz: (cells + 1,), m."""
-    scheme, g_c = case.scheme, case.g_c
-    h_l, h_r = with_ghosts(fields.h)
-    phi_l, phi_r = with_ghosts(fields.phi)
-    v_l, v_r = with_ghosts(fields.v, *(-1.0 if kind == "wall" else 1.0 for kind in (scheme.left, scheme.right)))
+    scheme, g_c, periodic = case.scheme, case.g_c, case.scheme.periodic
+    walls = (-1.0 if kind == "wall" else 1.0 for kind in (scheme.left, scheme.right))
+    h_l, h_r = with_ghosts(fields.h, periodic=periodic)
+    phi_l, phi_r = with_ghosts(fields.phi, periodic=periodic)
+    v_l, v_r = with_ghosts(fields.v, *walls, periodic=periodic)
 
     head = scheme.lambda_ / g_c  # (B.16)
     z_plus = positive(Dz - head * positive(0.5 * v_l**2 - 0.5 * v_r**2))
@@ -227,21 +231,18 @@ def diffuse(U: Array, iota: Array, dt: float, case: Case) -> Array:
     The "bounded" form moves solid fraction with the mass, so that a constant phi stays constant; "paper" is (3.20).
     """
     xi1, xi2, xi3 = case.scheme.xi
-    k = iota[1:-1] * dt / case.dx**2
-    U0, U1, U2 = U
-    G0 = xi1 * k * np.diff(U0)
-    G1 = xi2 * k * np.diff(U1)
+    k = iota * dt / case.dx**2  # 0 at the ends, unless they are periodic
+    (U0_l, U0_r), (U1_l, U1_r), (U2_l, U2_r) = (with_ghosts(u, periodic=case.scheme.periodic) for u in U)
+    G0 = xi1 * k * (U0_r - U0_l)
+    G1 = xi2 * k * (U1_r - U1_l)
     if case.scheme.viscosity == "paper":
-        G2 = xi3 * k * np.diff(U2)
+        G2 = xi3 * k * (U2_r - U2_l)
     else:
-        s = np.divide(U2, U0, out=np.zeros_like(U0), where=U0 > 0.0)
-        donor = np.where(U0[:-1] > U0[1:], s[:-1], s[1:])
-        G2 = k * (xi1 * donor * np.diff(U0) + xi3 * np.minimum(U0[:-1], U0[1:]) * np.diff(s))
+        s_l, s_r = (np.where(U0 > 0.0, quotient(U2, U0), 0.0) for U0, U2 in ((U0_l, U2_l), (U0_r, U2_r)))
+        donor = np.where(U0_l > U0_r, s_l, s_r)
+        G2 = k * (xi1 * donor * (U0_r - U0_l) + xi3 * np.minimum(U0_l, U0_r) * (s_r - s_l))
     G = np.stack((G0, G1, G2))
-    diffused = U.copy()
-    diffused[:, :-1] += G
-    diffused[:, 1:] -= G
-    return diffused
+    return U + G[:, 1:] - G[:, :-1]
 
 
 class Reference:
@@ -259,7 +260,7 @@ class Reference:
         self.U: Array = np.stack((phi * h, np.zeros_like(h), phi**case.scheme.alpha * h))
         self.t = 0.0
         self.steps = 0
-        self.dbhat = np.concatenate(([0.0], np.diff(case.bhat), [0.0]))
+        self.dbhat = case.dbhat
 
     @property
     def fields(self) -> Fields:
@@ -270,8 +271,8 @@ class Reference:
         """Largest stable step [s]: CFL, and the parabolic limit (3.22); infinite where nothing limits it."""
         case = self.case
         speed = np.max(np.abs(fields.v) + np.sqrt(case.g_c * fields.h))
-        inner = slice(1, -1)
-        climb = v_f[inner] * self.dbhat[inner] + np.abs(v_f[inner]) * mu_f[inner] * case.dx
+        once = slice(0 if case.scheme.periodic else 1, -1)  # interfaces between two cells, each once
+        climb = v_f[once] * self.dbhat[once] + np.abs(v_f[once]) * mu_f[once] * case.dx
         viscosity = max(case.scheme.xi) * max(0.0, np.max(climb))
         dt_cfl = case.scheme.cfl * case.dx / speed if speed > 0.0 else np.inf
         dt_viscous = case.dx**2 / (2.0 * viscosity) if viscosity > 0.0 else np.inf
@@ -281,9 +282,9 @@ class Reference:
         """One step, not beyond t_out [s]; returns dt [s]."""
         case = self.case
         fields = self.fields
-        h, phi = with_ghosts(fields.h), with_ghosts(fields.phi)
-        v = with_ghosts(fields.v)
-        mu_l, mu_r = with_ghosts(friction(fields, case))
+        periodic = case.scheme.periodic
+        h, v, phi = (with_ghosts(field, periodic=periodic) for field in fields)
+        mu_l, mu_r = with_ghosts(friction(fields, case), periodic=periodic)
         rho_l, rho_r = phi[0] * h[0], phi[1] * h[1]
         v_f = quotient(rho_l * v[0] + rho_r * v[1], rho_l + rho_r)  # (3.8)
         mu_f = 0.5 * (mu_l + mu_r)
@@ -293,7 +294,8 @@ class Reference:
         dt = t_out - self.t if last else dt
 
         Dz = apparent_topography(h, phi, v_f, mu_f, self.dbhat, dt, case)
-        Dz[[0, -1]] = 0.0
+        if not periodic:
+            Dz[[0, -1]] = 0.0
         U = update(self.U, interface_flux(fields, Dz, case), dt, case)
         U = relax(U, dt, case)
         self.U = diffuse(U, positive(v_f * Dz), dt, case)

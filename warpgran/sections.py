@@ -223,8 +223,8 @@ class Scheme(Model):
         h_min: Least thickness in the shear rate, m; None for one grain diameter.
         h_bed: Thickness of the layer beside the column, m.
         h_front: Thickness that marks the front, m.
-        left: Left boundary, wall or open.
-        right: Right boundary, wall or open.
+        left: Left boundary, wall, open or periodic.
+        right: Right boundary, wall, open or periodic.
         window: Visit only what is wet; off gives the same bits, for measuring.
     """
 
@@ -237,9 +237,14 @@ class Scheme(Model):
     h_min: Positive | None = _key(None, "> 0, in m")
     h_bed: StrictFloat = _key(0.0, ">= 0, in m", ge=0)
     h_front: StrictFloat = _key(1e-3, "> 0, in m", gt=0)
-    left: Literal["wall", "open"] = _key("wall", '"wall" or "open"')
-    right: Literal["wall", "open"] = _key("open", '"wall" or "open"')
+    left: Literal["wall", "open", "periodic"] = _key("wall", '"wall", "open" or "periodic"')
+    right: Literal["wall", "open", "periodic"] = _key("open", '"wall", "open" or "periodic"')
     window: StrictBool = _key(True, "")
+
+    @property
+    def periodic(self) -> bool:
+        """Whether the two ends of the grid are one interface."""
+        return self.left == "periodic"
 
 
 SECTIONS: dict[str, type[Model]] = {

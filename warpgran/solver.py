@@ -39,6 +39,7 @@ def variant_of(case: Case, precision_name: str) -> Variant:
         phi_eq="f2_one" if r.phi_eq == "f2" and r.phi_eq_N == 1.0 else r.phi_eq,
         relaxation=scheme.relaxation,
         viscosity=scheme.viscosity,
+        periodic=scheme.periodic,
     )
 
 
@@ -66,7 +67,7 @@ class Solver:
         with _calls:
             self.kernels = build(variant)
             self.state = State(runs, padded, outputs, precision(variant.precision), self.device)
-            for kernel in self.kernels:
+            for kernel in filter(None, self.kernels):
                 wp.load_module(kernel.module, device=self.device)
             with wp.ScopedCapture(device=self.device) as capture:
                 wp.capture_while(self.state.running, self.step)
@@ -89,24 +90,22 @@ class Solver:
         """One step of every active run, each by its own dt and not beyond its next output time."""
         s, k = self.state, self.kernels
         self._over_cells(k.decode, s.U, [s.h, s.v, s.phi_wet, s.mu, s.per_mass, s.celerity])
+        self._wrap(s.phi_wet)
         self._over_cells(k.fill, [s.phi_wet], [s.phi, s.mu])
-        self._over_runs(k.boundary, [s.params, s.active, s.h, s.v, s.phi, s.mu, s.celerity])
+        self._over_runs(k.boundary, [s.params, s.active, s.h, s.v, s.phi, s.mu, s.per_mass, s.celerity])
         self._over_runs(k.record, [*s.U, s.h, s.v, s.phi, s.bhat, s.lo, s.hi, s.left, s.params, s.steps, s.snapshot_at,
                                    s.sample_at, s.outputs.snapshots, s.outputs.samples, s.padded, s.due, s.active,
                                    s.status, s.bad_cell, s.output, s.speed, s.scalars, *s.snapshots])  # fmt: skip
-        self._over_cells(
-            k.limits, [s.h, s.v, s.phi, s.mu, s.celerity, s.dbhat], [s.v_f, s.X, s.max_speed, s.max_viscosity]
-        )
+        self._over_cells(k.limits, [s.h, s.v, s.phi, s.mu, s.celerity, s.dbhat],
+                         [s.v_f, s.X, s.max_speed, s.max_viscosity])  # fmt: skip
         self._over_runs(k.time_step, [s.params, s.active, s.t, s.times, s.output, s.max_speed, s.max_viscosity,
                                       s.dt, s.dt_exact, s.budget, s.running])  # fmt: skip
-        self._over_cells(
-            k.reconstruct,
-            [s.h, s.v, s.phi, s.mu, s.per_mass, s.v_f, s.X, s.dbhat, s.dt],
-            [s.h_star, s.phi_star, s.Dz, s.iota],
-        )
+        self._over_cells(k.reconstruct, [s.h, s.v, s.phi, s.mu, s.per_mass, s.v_f, s.X, s.dbhat, s.dt],
+                         [s.h_star, s.phi_star, s.Dz, s.iota])  # fmt: skip
         self._over_cells(k.flux, [s.h, s.v, s.phi, s.celerity, s.h_star, s.phi_star, s.Dz], s.F)
         self._over_cells(k.update, [*s.U, *s.F, s.dt], s.W)
         self._over_cells(k.relax, [s.W[0], s.W[1], s.dt], [s.W[2], s.s])
+        self._wrap(*s.W, s.s)
         self._over_cells(k.diffuse, [*s.W, s.s, s.iota, s.dt], s.U)
         self._over_runs(k.tick, [s.U[0], s.dt_exact, s.times, s.output, s.params, s.budget, s.t, s.steps, s.status,
                                  s.active, s.due, s.lo, s.hi, s.running])  # fmt: skip
@@ -123,6 +122,11 @@ class Solver:
             self._over_runs(self.kernels.start, [s.active, s.running])
         wp.capture_launch(self._graph)
         return not s.active.numpy().any()
+
+    def _wrap(self, *arrays: Any) -> None:
+        """Set the ghost cells of periodic runs."""
+        for array in arrays if self.kernels.wrap else ():
+            self._over_runs(self.kernels.wrap, [self.state.params, self.state.active, array])
 
     def _over_cells(self, kernel: Any, inputs: Sequence[Any], outputs: Sequence[Any]) -> None:
         """Launch a kernel over the windows of all runs."""

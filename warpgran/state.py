@@ -105,9 +105,9 @@ class State:
             # Cells outside the window are read by their neighbours within: they must look dry.
             phi[self.row(r) - MARGIN : self.row(r) + self.padded] = case.rheology.phi_stat
             bhat[cells] = case.bhat
-            dbhat[cells.start + 1 : cells.stop] = np.diff(bhat[cells])
+            dbhat[cells.start : cells.stop + 1] = case.dbhat
             padded = padded_cells(case.grid.cells)
-            lo[r], hi[r] = _window(U0[cells], padded, case.scheme.window)
+            lo[r], hi[r] = _window(U0[cells], padded, case.scheme.window and not case.scheme.periodic)
             for name, value in _parameters(case, self.row(r), padded).items():
                 params[name][r] = value
         phi[phi == 0.0] = 0.5  # between rows and in idle ones: anything that can be divided by
@@ -162,7 +162,7 @@ def _window(U0: Array, padded: int, limited: bool) -> tuple[int, int]:
 def _parameters(case: Case, row: int, padded: int) -> dict[str, float]:
     """The fields of the struct that the kernels read."""
     r, scheme = case.rheology, case.scheme
-    ghost = {"wall": -1.0, "open": 1.0}
+    ghost = {"wall": -1.0, "open": 1.0, "periodic": 1.0}
     return {
         "cells": case.grid.cells, "row": row, "padded": padded, "step_limit": min(case.time.step_limit, 2**31 - 1),
         "dx": case.dx, "per_dx": 1.0 / case.dx, "g_c": case.g_c, "cfl": scheme.cfl,
