@@ -70,8 +70,11 @@ class Work:
 
 
 def column(cells: int, window: bool, changes: Mapping[str, Any] | None = None) -> Case:
-    """The dense column on a horizontal plane; changes by dotted key. One output by default, later than is reached."""
-    values: dict[str, Any] = {"grid.right": 0.6, "grid.cells": cells, "scheme.window": window}
+    """The dense column on a horizontal plane, 1000 cells of 1 mm; changes by dotted key.
+
+    One output by default, later than is reached.
+    """
+    values: dict[str, Any] = {"grid.right": 0.8, "grid.cells": cells, "scheme.window": window}
     values |= {"time.end": 10.0, "time.snapshots": [10.0], "time.series": []}
     return Case().with_(**(values | dict(changes or {})))
 
