@@ -1,9 +1,9 @@
 """The default variant of the scheme in numba: what one would write without Warp, to compare with.
 
 alpha = 2, lambda = 0, f2 with N = 1, rational relaxation, bounded viscosity, no bed but the plane; one run, one thread,
-float64. A step is seven loops over the cells in one compiled function: separate contiguous arrays, no branches, no calls,
-indices i, i + 1 and i + 2, values read into names before anything is written, and the divisions shared as in the
-kernels. All are vectorised but that of the time step, where the compiler does not see a maximum as a reduction.
+float64. A step is seven loops over the cells in one compiled function: separate contiguous arrays, no branches, no
+calls, indices i, i + 1 and i + 2, values read into names before anything is written, and the divisions shared as in
+the kernels. All are vectorised but that of the time step, where the compiler sees no reduction in a maximum.
 Reconstruction and flux in one loop are slower than in two.
 
 Arrays have a ghost cell at either end: cell i of the grid is element i + 1, and interface i lies before it.
