@@ -4,7 +4,6 @@ from typing import Any
 
 import warp as wp
 
-from warpgran.kernels import division
 from warpgran.kernels.precision import Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 from warpgran.kernels.rheology import Rheology
@@ -15,7 +14,7 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
     tiny = Real(kinds.tiny)
-    power, inverses = rheology.power, division.make(kinds)
+    power = rheology.power
 
     @wp.func
     def positive(x: Real) -> Real:
@@ -23,20 +22,48 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         return wp.max(x, Real(0.0))
 
     @wp.func
-    def lagrangian_speeds(p_1: Real, rho_1: Real, s_1: Real, p_2: Real, rho_2: Real, s_2: Real, D: Real):
-        """Relaxation speeds S_1, S_2 [m/s] of the sides of the lower (1) and the higher pressure (2).
+    def lagrangian_speeds(dp: Real, rho_1: Real, s_1: Real, rho_2: Real, s_2: Real, D: Real):
+        """Relaxation speeds S_1, S_2 [m/s] of the sides of the lower (1) and the higher pressure (2), apart by dp.
 
         D = v_l - v_r. Each side's c = rho S; a side without mass has c = 0 and does not speed up the other.
         Bouchut (2004), section 2.4; 3/2 is (gamma + 1)/2 for gamma = 2.
         """
-        dp = p_2 - p_1
+        S_1 = s_1 + Real(1.5) * positive(dp / wp.max(rho_2 * s_2, tiny) + D)
+        c_1 = rho_1 * S_1
+        rise = positive(D - dp / wp.max(c_1, tiny))
+        return S_1, s_2 + Real(1.5) * wp.where(c_1 > Real(0.0), rise, Real(0.0))
+
+    @wp.func
+    def intermediate(c: Real, S_u: Real, rise: Real, any: bool):
+        """1/c, and rho*/rho of the upwind side. rise: p_u - p_d - c_d D; any: whether that side holds mass."""
+        # 1/rho* = 1/rho + rise/(c_u c), multiplied by rho c_u c = rho^2 S_u c
+        per_c = Real(1.0) / c
+        return per_c, S_u / wp.where(any, S_u + rise * per_c, Real(1.0))
+
+    # The same with one division each. The products underflow in float32 in layers of 1e-12 m, and its divisions are
+    # cheap.
+    @wp.func
+    def lagrangian_speeds_by_one(dp: Real, rho_1: Real, s_1: Real, rho_2: Real, s_2: Real, D: Real):
+        """As lagrangian_speeds."""
         b = rho_2 * s_2
         bc = rho_1 * (s_1 * b + Real(1.5) * positive(dp + D * b))  # b c_1
-        per_b, per_bc = inverses(wp.max(b, tiny), wp.max(bc, tiny))
-        S_1 = s_1 + Real(1.5) * positive(dp * per_b + D)
-        rise = positive(D - dp * (b * per_bc))
-        S_2 = s_2 + Real(1.5) * wp.where(bc > Real(0.0), rise, Real(0.0))
-        return S_1, S_2
+        some_b = wp.max(b, tiny)
+        some_bc = wp.max(bc, tiny)
+        r = Real(1.0) / (some_b * some_bc)
+        S_1 = s_1 + Real(1.5) * positive(dp * (some_bc * r) + D)
+        rise = positive(D - dp * (b * (some_b * r)))
+        return S_1, s_2 + Real(1.5) * wp.where(bc > Real(0.0), rise, Real(0.0))
+
+    @wp.func
+    def intermediate_by_one(c: Real, S_u: Real, rise: Real, any: bool):
+        """As intermediate."""
+        whole = wp.where(any, S_u * c + rise, Real(1.0))
+        r = Real(1.0) / (c * whole)
+        return whole * r, S_u * c * (c * r)
+
+    speeds, between = lagrangian_speeds, intermediate
+    if kinds.name == "float64":
+        speeds, between = lagrangian_speeds_by_one, intermediate_by_one
 
     @wp.func
     def suliciu(
@@ -48,9 +75,9 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         """
         D = v_l - v_r
         up = p_r >= p_l  # pressure rises to the right
-        S_1, S_2 = lagrangian_speeds(
-            wp.where(up, p_l, p_r), wp.where(up, rho_l, rho_r), wp.where(up, s_l, s_r),
-            wp.where(up, p_r, p_l), wp.where(up, rho_r, rho_l), wp.where(up, s_r, s_l), D,
+        S_1, S_2 = speeds(
+            wp.abs(p_r - p_l), wp.where(up, rho_l, rho_r), wp.where(up, s_l, s_r),
+            wp.where(up, rho_r, rho_l), wp.where(up, s_r, s_l), D,
         )  # fmt: skip
         S_l = wp.where(up, S_1, S_2)
         S_r = wp.where(up, S_2, S_1)
@@ -67,14 +94,11 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         S_u = wp.where(to_right, S_l, S_r)
         c_d = wp.where(to_right, c_r, c_l)
         p_d = wp.where(to_right, p_r, p_l)
-        # 1/rho* = 1/rho + (p_u - p_d - c_d D)/(c_u c), multiplied by rho c_u c = rho^2 S_u c
-        stretched = S_u * c + (p_u - p_d - c_d * D)
-        per_c, per_stretched = inverses(c, wp.where(rho_u > Real(0.0), stretched, Real(1.0)))
-        rho_star = rho_u * (S_u * c) * per_stretched
+        per_c, ratio = between(c, S_u, p_u - p_d - c_d * D, rho_u > Real(0.0))
         v_star = push * per_c
         p_star = (c_r * p_l + c_l * p_r + c_l * c_r * D) * per_c
         supersonic = wp.where(to_right, v_u, -v_u) >= S_u
-        rho = wp.where(supersonic, rho_u, rho_star)
+        rho = wp.where(supersonic, rho_u, rho_u * ratio)
         speed = wp.where(supersonic, v_u, v_star)
         F0 = rho * speed
         return F0, F0 * speed + wp.where(supersonic, p_u, p_star)

@@ -4,8 +4,7 @@ from typing import Any
 
 import warp as wp
 
-from warpgran.kernels import division
-from warpgran.kernels.precision import Doubles, Ints, Precision, Variant, precision
+from warpgran.kernels.precision import DRY, Doubles, Ints, Precision, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 from warpgran.kernels.rheology import Rheology
 
@@ -14,19 +13,20 @@ def make_limits(variant: Variant, rheology: Rheology, module: Any) -> Any:
     """The kernel that looks at all cells."""
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
-    tiny = Real(kinds.tiny)
-    power, inverses = rheology.power, division.make(kinds)
+    empty = Real(0.1 * DRY)  # less than any wet cell holds
+    power = rheology.power
 
     @wp.func
     def at_face(h_l: Real, v_l: Real, phi_l: Real, h_r: Real, v_r: Real, phi_r: Real, dbhat: Real, p: RunParams):
         """Mass-weighted velocity [m/s] (3.8), 0 between dry cells; X (3.12), the slope pressure and gravity drive."""
         rho_l = phi_l * h_l
         rho_r = phi_r * h_r
+        rho = wp.max(rho_l + rho_r, empty)
         p_l = power(phi_l, p)
         p_r = power(phi_r, p)
-        per_rho, per_p = inverses(wp.max(rho_l + rho_r, tiny), p_l + p_r)
-        X = (h_l - h_r - dbhat + (h_l + h_r) * (p_l - p_r) * per_p * p.per_2a) * p.per_dx
-        return (rho_l * v_l + rho_r * v_r) * per_rho, X
+        r = Real(1.0) / (rho * (p_l + p_r))  # for both quotients
+        X = (h_l - h_r - dbhat + (h_l + h_r) * (p_l - p_r) * (rho * r) * p.per_2a) * p.per_dx
+        return (rho_l * v_l + rho_r * v_r) * ((p_l + p_r) * r), X
 
     @wp.func
     def viscosity_bound(v_f: Real, dbhat: Real, mu_l: Real, mu_r: Real, p: RunParams) -> Real:
