@@ -24,8 +24,8 @@ from warpgran.drawing import (
     one_run,
     run_heading,
     wet_range,
-    written_whole,
 )
+from warpgran.storage import replacing
 
 ANIMATION_SUFFIXES = (".gif", ".mp4")
 
@@ -54,7 +54,7 @@ def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, 
             f"an animation needs two snapshots or more, run {run} has {one.sizes['time']}: "
             "set `time.snapshots = { every = 0.02 }` in the run file and run it again"
         )
-    with rc_context(STYLE), written_whole(path) as part:
+    with rc_context(STYLE), replacing(path) as part:
         scene = Scene(one, dpi)
         with writer.saving(scene.figure, str(part), dpi):
             for instant in range(one.sizes["time"]):

@@ -36,9 +36,9 @@ from warpgran.drawing import (
     legend,
     letter,
     small_print,
-    written_whole,
 )
 from warpgran.keys import Key, named, runs_along, varied_keys
+from warpgran.storage import replacing
 from warpgran.summary import summary
 
 GAP = 0.2  # between panels, inches
@@ -91,7 +91,7 @@ def plot_batch(data: xr.Dataset, path: str | Path) -> Path:
         ValueError: another suffix, a single run, or no run with a front to draw.
     """
     path = checked(path, PLOT_SUFFIXES)
-    with rc_context(STYLE), written_whole(path) as part:
+    with rc_context(STYLE), replacing(path) as part:
         _page(data, _batch(data)).savefig(part, dpi=200)
     return path
 

@@ -1,4 +1,4 @@
-"""What the figures share: style, one run of a result, axes, legends, and files written whole.
+"""What the figures share: style, one run of a result, axes, legends.
 
 Nothing here or in the figures touches pyplot, so that no window opens and no figure stays in memory.
 """
@@ -8,9 +8,7 @@ from __future__ import annotations
 import re
 import textwrap
 import tomllib
-import uuid
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,17 +79,6 @@ def checked(path: str | Path, suffixes: tuple[str, ...]) -> Path:
     if path.suffix.lower() not in suffixes:
         raise ValueError(f"cannot write {path.name!r}: the name must end in {', '.join(suffixes)}")
     return path
-
-
-@contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
-    """A name beside `path` to write to; it takes the place of `path` at the end, and is removed after an error."""
-    part = path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}{path.suffix.lower()}")
-    try:
-        yield part
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def one_run(data: xr.Dataset, run: int) -> xr.Dataset:

@@ -34,8 +34,8 @@ from warpgran.drawing import (
     run_heading,
     small_print,
     wet_range,
-    written_whole,
 )
+from warpgran.storage import replacing
 
 MAX_INSTANTS = 8  # more lines than this cannot be told apart
 HEIGHT = 205 / 25.4  # inches
@@ -69,7 +69,7 @@ def plot(data: xr.Dataset, path: str | Path, *, run: int = 0) -> Path:
         ValueError: another suffix, no such run, or a run without a single value to draw.
     """
     path = checked(path, PLOT_SUFFIXES)
-    with rc_context(STYLE), written_whole(path) as part:
+    with rc_context(STYLE), replacing(path) as part:
         _page(one_run(data, run)).savefig(part, dpi=200)
     return path
 

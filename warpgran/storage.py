@@ -11,6 +11,7 @@ from __future__ import annotations
 import fcntl
 import math
 import os
+import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -43,7 +44,7 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises:
         StorageError: The folder is missing or not writable, or `path` is a folder.
     """
-    part = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    part = path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}{path.suffix}")  # writers look at the suffix
     _check_writable(path, part)
     try:
         yield part
