@@ -7,6 +7,7 @@ from warpgran.kernels import (
     clock,
     decode,
     flux,
+    lanes,
     periodic,
     reconstruction,
     record,
@@ -43,19 +44,24 @@ class Kernels(NamedTuple):
 
 
 @functools.cache
-def build(variant: Variant) -> Kernels:
-    """The kernels of a variant. Compiled when they are first launched: some seconds, then cached on disk."""
-    fast = module(variant.name, FAST)
+def build(variant: Variant, many_lanes: bool = False) -> Kernels:
+    """The kernels of a variant. Compiled when they are first launched: some seconds, then cached on disk.
+
+    Args:
+        variant: What is compiled in.
+        many_lanes: Whether they are for blocks of more than one lane, as on a GPU.
+    """
+    fast = module(_named(variant.name, many_lanes), FAST)
     laws = rheology.make(variant)
     cells = decode.make(variant, laws, fast)
     ends = periodic.make(variant, fast) if variant.periodic else periodic.Periodic(cells.boundary, None)
-    careful = _careful(variant.precision)
+    careful = _careful(variant.precision, many_lanes)
     return Kernels(
         decode=cells.decode,
         fill=cells.fill,
         boundary=ends.boundary,
         record=careful.record,
-        limits=timestep.make_limits(variant, laws, fast),
+        limits=timestep.make_limits(variant, laws, lanes.make(many_lanes), fast),
         time_step=careful.time_step,
         reconstruct=reconstruction.make(variant, laws, fast),
         flux=flux.make(variant, laws, fast),
@@ -78,7 +84,12 @@ class Careful(NamedTuple):
 
 
 @functools.cache
-def _careful(name: str) -> Careful:
+def _careful(name: str, many_lanes: bool) -> Careful:
     kinds = precision(name)
-    careful = module(f"warpgran_{name}_careful", CAREFUL)
-    return Careful(record.make(kinds, careful), timestep.make_time_step(kinds, careful), *clock.make(kinds, careful))
+    careful = module(_named(f"warpgran_{name}_careful", many_lanes), CAREFUL)
+    recording = record.make(kinds, lanes.make(many_lanes), careful)
+    return Careful(recording, timestep.make_time_step(kinds, careful), *clock.make(kinds, careful))
+
+
+def _named(name: str, many_lanes: bool) -> str:
+    return f"{name}_lanes" if many_lanes else name

@@ -1,7 +1,8 @@
 """Output of the runs that have reached an output time: whether they are sound, their series, their snapshots.
 
-One thread a run. It stands between decode and the time step, so that what is recorded is what the next step starts
-from, and so that no run waits for another at an output time.
+One block a run, whose lanes share its cells. It stands between decode and the time step, so that what is recorded is
+what the next step starts from, and so that no run waits for another at an output time. It is launched at every step,
+and leaves at once the runs that are not due.
 """
 
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import warp as wp
 
 from warpgran.kernels.clock import AT_REST, DIVERGED, OK, STEP_LIMIT
+from warpgran.kernels.lanes import Lanes, lane_of
 from warpgran.kernels.precision import DRY, Doubles, Ints, Precision
 
 SCALARS = ("front", "h_max", "v_max", "v_flow", "volume", "mass", "energy")
@@ -22,9 +24,11 @@ _STEP_LIMIT = wp.constant(STEP_LIMIT)
 _AT_REST = wp.constant(AT_REST)
 
 
-def make(kinds: Precision, module: Any) -> Any:
+def make(kinds: Precision, lanes: Lanes, module: Any) -> Any:
     """The kernel of a precision; the module must be one that honours NaN."""
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
+    Sample = wp.types.vector(length=len(SCALARS), dtype=wp.float64)
+    most, least, total = lanes.most, lanes.least, lanes.total
     zero = wp.float64(0.0)
     half = wp.float64(0.5)
 
@@ -38,61 +42,61 @@ def make(kinds: Precision, module: Any) -> Any:
         return finite and U0 >= Real(-DRY) and (U0 <= Real(DRY) or (U2 > Real(0.0) and U2 <= U0))
 
     @wp.func
-    def first_unsound(U0: A, U1: A, U2: A, p: RunParams) -> int:
-        """The first cell that is not sound, -1 if all are."""
-        i = int(0)
+    def first_unsound(U0: A, U1: A, U2: A, lane: int, p: RunParams) -> int:
+        """The first cell of a lane that is not sound, p.cells if all are."""
+        i = int(lane)
         while i < p.cells:
             if not sound(U0[p.row + i], U1[p.row + i], U2[p.row + i]):
                 return i
-            i += 1
-        return -1
+            i += wp.block_dim()
+        return p.cells
 
     @wp.func
-    def front(h: A, left: wp.float64, hi: int, p: RunParams) -> wp.float64:
-        """Largest x [m] where h falls through h_front, linear between centres; left end of the grid if nowhere."""
-        i = wp.min(hi, p.cells) - 1
-        while i >= 0 and h[p.row + i] <= p.h_front:
-            i -= 1
-        if i < 0:
+    def front(h: A, last: int, left: wp.float64, p: RunParams) -> wp.float64:
+        """Largest x [m] where h falls through h_front, linear between centres; left end of the grid if nowhere.
+
+        last: the last cell thicker than h_front, negative if there is none.
+        """
+        if last < 0:
             return left
-        at = wp.float64(i) + half
-        if i < p.cells - 1:
-            h_i = wp.float64(h[p.row + i])
-            at += (h_i - wp.float64(p.h_front)) / (h_i - wp.float64(h[p.row + i + 1]))
+        at = wp.float64(last) + half
+        if last < p.cells - 1:
+            h_i = wp.float64(h[p.row + last])
+            at += (h_i - wp.float64(p.h_front)) / (h_i - wp.float64(h[p.row + last + 1]))
         return left + at * wp.float64(p.dx)
 
     @wp.func
-    def measure(U0: A, h: A, v: A, bhat: A, lo: int, hi: int, left: wp.float64, p: RunParams, out: Doubles, at: int):
-        """Write the scalars of a run from element `at` of out on, summed in float64 from left to right."""
+    def measure(U0: A, h: A, v: A, bhat: A, lo: int, hi: int, left: wp.float64, lane: int, p: RunParams) -> Sample:
+        """The scalars of a run, summed in float64: by each lane from left to right, then over the lanes."""
         h_max = zero
         v_max = zero
         v_flow = zero
         volume = zero
         mass = zero
         energy = zero
-        i = p.row + lo
-        while i < p.row + wp.min(hi, p.cells):
-            h_i = wp.float64(h[i])
-            v_i = wp.float64(v[i])
-            m_i = wp.float64(U0[i])
+        last = int(-1)
+        # A cell belongs to a lane whatever the window, so that it has no part in the order of the sums; what is to the
+        # left of the window is empty.
+        i = lo - lo % wp.block_dim() + lane
+        while i < wp.min(hi, p.cells):
+            h_i = wp.float64(h[p.row + i])
+            v_i = wp.float64(v[p.row + i])
+            m_i = wp.float64(U0[p.row + i])
             h_max = wp.max(h_max, h_i)
             v_max = wp.max(v_max, wp.abs(v_i))
-            if h[i] > p.h_front:
+            if h[p.row + i] > p.h_front:
                 v_flow = wp.max(v_flow, wp.abs(v_i))
                 volume += h_i
+                last = i
             mass += m_i
             if h_i > zero:
-                head = half * h_i + wp.float64(bhat[i])  # of the centre of mass, m
+                head = half * h_i + wp.float64(bhat[p.row + i])  # of the centre of mass, m
                 energy += m_i * (half * v_i * v_i + wp.float64(p.g_c) * head)
-            i += 1
+            i += wp.block_dim()
         dx = wp.float64(p.dx)
-        out[at] = front(h, left, hi, p)
-        out[at + 1] = h_max
-        out[at + 2] = v_max
-        out[at + 3] = v_flow
-        out[at + 4] = volume * dx
-        out[at + 5] = mass * dx
-        out[at + 6] = energy * dx
+        x = front(h, most(last), left, p)
+        return Sample(x, most(h_max), most(v_max), most(v_flow), total(volume) * dx, total(mass) * dx,
+                      total(energy) * dx)  # fmt: skip
 
     @wp.func
     def at_rest(speed: wp.float64, speed_before: wp.float64, p: RunParams) -> bool:
@@ -100,20 +104,20 @@ def make(kinds: Precision, module: Any) -> Any:
         return speed < wp.float64(p.rest_speed) and speed <= speed_before
 
     @wp.func
-    def repeat(out: Doubles, at: int, end: int):
-        """Copy the sample at element `at` of out to all that follow, up to element `end`."""
-        i = at + _SCALARS
-        while i < end:
-            out[i] = out[i - _SCALARS]
-            i += 1
+    def write(sample: Sample, out: Doubles, at: int, end: int, lane: int):
+        """Write a sample to the elements of out from `at` to `end`, as often as it fits."""
+        i = int(lane)
+        while i < end - at:
+            out[at + i] = sample[i % _SCALARS]
+            i += wp.block_dim()
 
     @wp.func
-    def copy_row(source: A, p: RunParams, target: A, to: int):
+    def copy_row(source: A, p: RunParams, target: A, to: int, lane: int):
         """Copy the cells of a run to element `to` of target and on."""
-        i = int(0)
+        i = int(lane)
         while i < p.cells:
             target[to + i] = source[p.row + i]
-            i += 1
+            i += wp.block_dim()
 
     @wp.kernel(module=module)
     def record(
@@ -127,39 +131,49 @@ def make(kinds: Precision, module: Any) -> Any:
         snapshot_at, sample_at: for each output time its place among the snapshots and samples, -1 if it is none.
         scalars: (runs, samples, len(SCALARS)); h_out, v_out, phi_out: (runs, snapshots, length); all flat.
         """
-        r = wp.tid()
+        t = wp.tid()
+        r = t // wp.block_dim()
+        lane = lane_of(t)
         if active[r] == 0 or due[r] == 0:
             return
-        due[r] = 0
         p = params[r]
         k = int(output[r])
-        bad = first_unsound(U0, U1, U2, p)
-        if bad >= 0:
-            bad_cell[r] = bad
-            status[r] = _DIVERGED
-            active[r] = 0
-            return
+        speed_before = speed[r]
+        # No lane gets past this before all have read what the first one writes below.
+        bad = least(first_unsound(U0, U1, U2, lane, p))
         outputs = snapshot_at.shape[0]
         after = k + 1
-        if sample_at[k] >= 0:
+        ended = int(_OK)
+        if bad < p.cells:
+            after = k
+            ended = _DIVERGED
+        elif sample_at[k] >= 0:
             at = (r * samples + sample_at[k]) * _SCALARS
-            measure(U0, h, v, bhat, lo[r], hi[r], left[r], p, scalars, at)
-            if k > 0 and at_rest(scalars[at + 3], speed[r], p):
-                status[r] = _AT_REST
+            end = at + _SCALARS
+            sample = measure(U0, h, v, bhat, lo[r], hi[r], left[r], lane, p)
+            if k > 0 and at_rest(sample[3], speed_before, p):
+                ended = _AT_REST
                 after = outputs  # what it is now is what it will be at all later times
-                repeat(scalars, at, (r + 1) * samples * _SCALARS)
-            speed[r] = scalars[at + 3]
+                end = (r + 1) * samples * _SCALARS
+            write(sample, scalars, at, end, lane)
+            if lane == 0:
+                speed[r] = sample[3]
         while k < after:
             if snapshot_at[k] >= 0:
                 to = (r * snapshots + snapshot_at[k]) * length
-                copy_row(h, p, h_out, to)
-                copy_row(v, p, v_out, to)
-                copy_row(phi, p, phi_out, to)
+                copy_row(h, p, h_out, to, lane)
+                copy_row(v, p, v_out, to, lane)
+                copy_row(phi, p, phi_out, to, lane)
             k += 1
-        output[r] = after
-        if after < outputs and status[r] == _OK and steps[r] >= p.step_limit:
-            status[r] = _STEP_LIMIT
-        if after == outputs or status[r] != _OK:
-            active[r] = 0
+        if ended == _OK and after < outputs and steps[r] >= p.step_limit:
+            ended = _STEP_LIMIT
+        if lane == 0:
+            due[r] = 0
+            output[r] = after
+            status[r] = ended
+            if ended == _DIVERGED:
+                bad_cell[r] = bad
+            if after == outputs or ended != _OK:
+                active[r] = 0
 
     return record

@@ -4,17 +4,19 @@ from typing import Any
 
 import warp as wp
 
+from warpgran.kernels.lanes import Lanes, lane_of
 from warpgran.kernels.precision import DRY, Doubles, Ints, Precision, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 from warpgran.kernels.rheology import Rheology
 
 
-def make_limits(variant: Variant, rheology: Rheology, module: Any) -> Any:
+def make_limits(variant: Variant, rheology: Rheology, lanes: Lanes, module: Any) -> Any:
     """The kernel that looks at all cells."""
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
     empty = Real(0.1 * DRY)  # less than any wet cell holds
     power = rheology.power
+    most = lanes.most
 
     @wp.func
     def at_face(h_l: Real, v_l: Real, phi_l: Real, h_r: Real, v_r: Real, phi_r: Real, dbhat: Real, p: RunParams):
@@ -57,7 +59,9 @@ def make_limits(variant: Variant, rheology: Rheology, module: Any) -> Any:
             viscosity = wp.max(viscosity, wp.where(i < beyond, bound, Real(0.0)))
             speed = wp.max(speed, wp.abs(v[i]) + celerity[i])
             left += wp.block_dim()
-        if active[r] != 0:
+        speed = most(speed)
+        viscosity = most(viscosity)
+        if lane_of(t) == 0 and active[r] != 0:
             wp.atomic_max(max_speed, r, speed)
             wp.atomic_max(max_viscosity, r, viscosity)
 

@@ -17,12 +17,15 @@ from warpgran.state import State, padded_cells
 
 Array = np.ndarray
 
-CHUNK = 1024
-"""Cells that a block of a GPU walks."""
 LANES = 256
-"""Threads of such a block."""
+"""Threads of a block of a GPU."""
+CHUNK = 1024
+"""Cells that such a block walks."""
 REPLAY = 20_000_000
-"""Cell-steps between two returns to Python: a fraction of a second, so that an interruption is noticed."""
+"""Cell-steps between two returns to Python: a fraction of a second, so that an interruption is noticed; 100 times as
+many on a GPU."""
+MOST_STEPS = 20_000
+"""Steps between two returns, since the steps of a few small runs take some 20 microseconds at least on a GPU."""
 
 _calls = threading.RLock()
 """Held while Warp is called. While one thread records a graph, calls of all others would be recorded in it too; replays
@@ -50,7 +53,17 @@ class Solver:
     diverges or is out of steps.
     """
 
-    def __init__(self, runs: int, padded: int, variant: Variant, outputs: Outputs, device: str = "cpu") -> None:
+    def __init__(
+        self,
+        runs: int,
+        padded: int,
+        variant: Variant,
+        outputs: Outputs,
+        device: str = "cpu",
+        *,
+        lanes: int | None = None,
+        chunk: int = CHUNK,
+    ) -> None:
         """Allocate, compile what is not in the cache, and record the time loop.
 
         Args:
@@ -59,16 +72,25 @@ class Solver:
             variant: What is compiled in; `variant_of` tells it of a case.
             outputs: When the runs are recorded.
             device: A Warp device, "cpu" or "cuda:N".
+            lanes: Threads that walk a chunk of a run's cells side by side; one on the CPU by default, LANES on a GPU.
+                More than one on the CPU is for tests, and needs `wp.config.enable_cpu_blocks`.
+            chunk: Cells of a chunk, where there are lanes.
+
+        Raises:
+            ValueError: The device has no such lanes.
         """
         self.device = wp.get_device(device)
-        self.chunks = 1 if self.device.is_cpu else -(-padded // CHUNK)
-        self.lanes = 1 if self.device.is_cpu else LANES
-        self.steps_per_replay = max(100, REPLAY // (runs * padded))
+        self.lanes = lanes or (1 if self.device.is_cpu else LANES)
+        if self.device.is_cpu and self.lanes > 1 and not wp.config.enable_cpu_blocks:
+            raise ValueError(f"lanes: {self.lanes} on the cpu; allowed: 1, unless wp.config.enable_cpu_blocks is set")
+        self.chunks = 1 if self.lanes == 1 else -(-padded // chunk)
+        many = REPLAY if self.device.is_cpu else 100 * REPLAY
+        self.steps_per_replay = min(max(100, many // (runs * padded)), MOST_STEPS)
         with _calls:
-            self.kernels = build(variant)
+            self.kernels = build(variant, many_lanes=self.lanes > 1)
             self.state = State(runs, padded, outputs, precision(variant.precision), self.device)
             for kernel in filter(None, self.kernels):
-                wp.load_module(kernel.module, device=self.device)
+                wp.load_module(kernel.module, device=self.device, block_dim=self.lanes)
             with wp.ScopedCapture(device=self.device) as capture:
                 wp.capture_while(self.state.running, self.step)
         self._graph = capture.graph
@@ -94,8 +116,9 @@ class Solver:
         self._over_cells(k.fill, [s.phi_wet], [s.phi, s.mu])
         self._over_runs(k.boundary, [s.params, s.active, s.h, s.v, s.phi, s.mu, s.per_mass, s.celerity])
         self._over_runs(k.record, [*s.U, s.h, s.v, s.phi, s.bhat, s.lo, s.hi, s.left, s.params, s.steps, s.snapshot_at,
-                                   s.sample_at, s.outputs.snapshots, s.outputs.samples, s.padded, s.due, s.active,
-                                   s.status, s.bad_cell, s.output, s.speed, s.scalars, *s.snapshots])  # fmt: skip
+                                   s.sample_at, s.outputs.snapshots, s.outputs.samples, s.padded, s.due,
+                                   s.active, s.status, s.bad_cell, s.output, s.speed, s.scalars, *s.snapshots],
+                        self.lanes)  # fmt: skip
         self._over_cells(k.limits, [s.h, s.v, s.phi, s.mu, s.celerity, s.dbhat],
                          [s.v_f, s.X, s.max_speed, s.max_viscosity])  # fmt: skip
         self._over_runs(k.time_step, [s.params, s.active, s.t, s.times, s.output, s.max_speed, s.max_viscosity,
@@ -131,9 +154,12 @@ class Solver:
     def _over_cells(self, kernel: Any, inputs: Sequence[Any], outputs: Sequence[Any]) -> None:
         """Launch a kernel over the windows of all runs."""
         s = self.state
-        wp.launch(kernel, dim=s.runs * self.chunks * self.lanes, block_dim=self.lanes, device=self.device,
-                  inputs=[*inputs, s.params, s.lo, s.hi, s.active, self.chunks], outputs=[*outputs])  # fmt: skip
+        self._launch(kernel, s.runs * self.chunks * self.lanes,
+                     [*inputs, s.params, s.lo, s.hi, s.active, self.chunks, *outputs])  # fmt: skip
 
-    def _over_runs(self, kernel: Any, arguments: Sequence[Any]) -> None:
-        """Launch a kernel with a thread a run."""
-        wp.launch(kernel, dim=self.state.runs, inputs=arguments, device=self.device)
+    def _over_runs(self, kernel: Any, arguments: Sequence[Any], lanes: int = 1) -> None:
+        """Launch a kernel with a thread, or a block of lanes, a run."""
+        self._launch(kernel, self.state.runs * lanes, arguments)
+
+    def _launch(self, kernel: Any, threads: int, arguments: Sequence[Any]) -> None:
+        wp.launch(kernel, dim=threads, inputs=arguments, device=self.device, block_dim=self.lanes)

@@ -1,0 +1,60 @@
+"""Blocks of many lanes, as on a GPU, give the bits of the plain loops of the CPU: by Warp's emulation of blocks."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases import small
+
+from warpgran.engines import SCALARS
+from warpgran.outputs import Outputs
+from warpgran.schema import Status
+from warpgran.solver import Solver, variant_of
+from warpgran.state import padded_cells
+
+COMPARED = [(0, 32), (0, 64), (0, 256), (1, 64), (2, 64)]
+"""Ways of tests/lanes.py, and the lanes that each is computed with."""
+
+Found = dict[str, np.ndarray]
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> Found:
+    file = tmp_path_factory.mktemp("lanes") / "found.npz"
+    program = Path(__file__).parent / "lanes.py"
+    done = subprocess.run([sys.executable, str(program), str(file)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    with np.load(file) as data:
+        return dict(data)
+
+
+@pytest.mark.parametrize("way", [0, 1, 2])
+def test_runs_end_in_every_way_there_is(found: Found, way: int) -> None:
+    expected = [Status.OK, Status.AT_REST, Status.STEP_LIMIT, Status.OK if way < 2 else Status.DIVERGED, Status.OK]
+    assert list(found[f"{way}/plain loop/status"]) == expected
+
+
+@pytest.mark.parametrize(("way", "lanes"), COMPARED)
+def test_lanes_give_the_bits_of_a_plain_loop(found: Found, way: int, lanes: int) -> None:
+    for key in ("status", "steps", "t", "bad_cell", "lo", "hi", "h", "v", "phi"):
+        np.testing.assert_array_equal(found[f"{way}/{lanes} lanes/{key}"], found[f"{way}/plain loop/{key}"], key)
+
+
+@pytest.mark.parametrize(("way", "lanes"), COMPARED)
+def test_sums_of_lanes_differ_by_their_order_alone(found: Found, way: int, lanes: int) -> None:
+    ours, theirs = (found[f"{way}/{shape}/scalars"] for shape in (f"{lanes} lanes", "plain loop"))
+    for k, name in enumerate(SCALARS):
+        if name in ("volume", "mass", "energy"):
+            np.testing.assert_allclose(ours[..., k], theirs[..., k], rtol=1e-13, err_msg=name)
+        else:
+            np.testing.assert_array_equal(ours[..., k], theirs[..., k], name)
+
+
+def test_lanes_are_refused_where_there_are_none() -> None:
+    case = small()
+    with pytest.raises(ValueError, match="lanes: 32 on the cpu; allowed: 1"):
+        Solver(1, padded_cells(case.grid.cells), variant_of(case, "float64"), Outputs.of(case), lanes=32)
