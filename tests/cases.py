@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pytest
+import warp as wp
 
 from warpgran.case import Case
 from warpgran.engines import SCALARS, Failure, run_kernels, run_reference
@@ -15,7 +17,13 @@ from warpgran.schema import Status
 from warpgran.solver import Solver
 
 ENGINES = ("kernels", "numpy")
-"""The two implementations, for tests that both must pass."""
+"""The two implementations, for tests that compare them: the kernels on the CPU, and the reference."""
+_without = pytest.param("cuda", marks=pytest.mark.skip(reason="there is no NVIDIA GPU here"))
+GPUS: list[Any] = [str(device) for device in wp.get_cuda_devices()] or [_without]
+DEVICES = ["cpu", *GPUS]
+"""Where kernels run, for tests of kernels; in a test, the fixture `device`."""
+EVERY_ENGINE = [*ENGINES, *GPUS]
+"""For tests that all implementations must pass, wherever they run."""
 
 # On a dry bed the paper's viscosity makes solid fraction out of nothing: phi passes 1 within a few steps.
 DIVERGING: dict[str, Any] = {"scheme.viscosity": "paper", "rheology.K": 0.0}
@@ -116,12 +124,13 @@ class Ran:
 
 
 def ran(engine: str, case: Case, times: Sequence[float] | None = None, precision: str = "float64") -> Ran:
-    """A case computed by "kernels" or "numpy", recorded at the times given or those of the case."""
+    """A case recorded at the times given or its own, by "kernels" (on the cpu), the name of a device, or "numpy"."""
     if times is not None:
         times = [float(t) for t in times]
         case = case.with_(**{"time.end": times[-1], "time.snapshots": times, "time.series": times})
-    if engine == "kernels":
-        solver = Solver.holding([case], precision_name=precision)
+    if engine != "numpy":
+        device = "cpu" if engine == "kernels" else engine
+        solver = Solver.holding([case], precision_name=precision, device=device)
         finished = run_kernels(solver, [case], lambda t: True)
         U = np.stack([solver.state.of_run(u, 0) for u in solver.state.U]).astype(float)
     else:

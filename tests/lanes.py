@@ -34,8 +34,11 @@ OTHER = {
     "scheme.alpha": 3.0, "scheme.lambda": 1.0, "rheology.phi_eq": "f1", "scheme.relaxation": "exponential",
     "scheme.viscosity": "paper", "scheme.h_bed": 1e-4,
 }  # fmt: skip
-WAYS = [("float64", {}, tuple(SHAPES)), ("float32", {}, ("plain loop", "64 lanes")),
-        ("float64", OTHER, ("plain loop", "64 lanes"))]  # fmt: skip
+WAYS: list[tuple[str, dict[str, Any], tuple[str, ...]]] = [
+    ("float64", {}, tuple(SHAPES)),
+    ("float32", {}, ("plain loop", "64 lanes")),
+    ("float64", OTHER, ("plain loop", "64 lanes")),
+]
 """Precision, changes of all cases, and shapes to compute them with."""
 
 
@@ -43,7 +46,7 @@ def cases(changes: dict[str, Any]) -> list[Case]:
     """One that runs through, one at rest, one out of steps, one that diverges if it can, and one on a wet bed."""
     times = {"time.end": 0.06, "time.snapshots": [0.02, 0.06], "time.series": {"every": 0.01}}
     full = {"column.length": 0.8, "scheme.right": "wall", "slope.angle": 0.0, "time.stop_at_rest": True}
-    each = [{"grid.cells": 401}, {"grid.cells": 77, **full}, {"time.step_limit": 30},
+    each: list[dict[str, Any]] = [{"grid.cells": 401}, {"grid.cells": 77, **full}, {"time.step_limit": 30},
             {"scheme.h_bed": 0.0, "rheology.K": 0.0},
             {"scheme.h_bed": 1e-3, "scheme.window": False, "slope.angle": -5.0}]  # fmt: skip
     return [small(**{**times, **changes, **one}) for one in each]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import pytest
 import warp as wp
@@ -11,7 +12,7 @@ import warp as wp
 from warpgran.kernels.build import Kernels, build
 from warpgran.kernels.precision import Variant
 
-VARIANTS = [
+VARIANTS: list[dict[str, Any]] = [
     {},
     {"alpha_two": False, "lambda_zero": False, "phi_eq": "f0", "relaxation": "exponential", "viscosity": "paper"},
     {"phi_eq": "f1"},
@@ -33,7 +34,7 @@ def test_the_variants_have_every_choice_of_every_option() -> None:
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])
 @pytest.mark.parametrize(("arch", "changes"), [(arch, changes) for arch, set_ in TARGETS for changes in set_])
-def test_every_kernel_compiles_for_cuda(arch: int, changes: dict[str, str], precision: str, tmp_path: Path) -> None:
+def test_every_kernel_compiles_for_cuda(arch: int, changes: dict[str, Any], precision: str, tmp_path: Path) -> None:
     kernels = build(Variant(precision, **changes), many_lanes=True)
     modules = {kernel.module for kernel in kernels}
     if changes:  # the kernels over runs are those of all variants

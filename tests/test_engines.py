@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cases import DIVERGING, ENGINES, ran, small
+from cases import DIVERGING, EVERY_ENGINE, ran, small
 
 import warpgran as wg
 from warpgran.engines import fault, run_kernels, run_reference
@@ -12,7 +12,7 @@ from warpgran.schema import Status
 from warpgran.solver import Solver
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", EVERY_ENGINE)
 def test_a_diverged_run_is_named_and_its_sound_part_kept(engine: str) -> None:
     done = ran(engine, small(**DIVERGING), [0.0, 0.1, 0.2])
     assert done.status == Status.DIVERGED
@@ -27,17 +27,17 @@ def test_a_diverged_run_is_named_and_its_sound_part_kept(engine: str) -> None:
     assert np.isnan(done.scalars["front"][1:]).all()
 
 
-def test_both_engines_find_the_same_fault() -> None:
-    ours, theirs = (ran(engine, small(**DIVERGING), [0.1]).failure for engine in ENGINES)
+def test_both_engines_find_the_same_fault(device: str) -> None:
+    ours, theirs = (ran(engine, small(**DIVERGING), [0.1]).failure for engine in (device, "numpy"))
     assert ours is not None
     assert theirs is not None
     assert (ours.step, ours.cell) == (theirs.step, theirs.cell)
     assert ours.time == pytest.approx(theirs.time, rel=1e-12)
 
 
-def test_a_diverged_run_leaves_the_others_alone() -> None:
+def test_a_diverged_run_leaves_the_others_alone(device: str) -> None:
     good, bad = small(), small(**DIVERGING)
-    batch, alone = wg.simulate([good, bad, good]), wg.simulate(good)
+    batch, alone = wg.simulate([good, bad, good], device=device), wg.simulate(good, device=device)
     assert list(batch["status"]) == [Status.OK, Status.DIVERGED, Status.OK]
     assert "phi outside (0, 1]" in str(batch["failure"][1].item())
     for r in (0, 2):
@@ -46,8 +46,8 @@ def test_a_diverged_run_leaves_the_others_alone() -> None:
 
 
 @pytest.mark.parametrize(("cell", "value"), [(40, np.nan), (40, np.inf), (190, -1e-6)])  # in the flow; ahead of it
-def test_a_spoiled_value_is_found_whatever_the_compiler_assumes(cell: int, value: float) -> None:
-    solver = Solver.holding([small(), small()])
+def test_a_spoiled_value_is_found_whatever_the_compiler_assumes(cell: int, value: float, device: str) -> None:
+    solver = Solver.holding([small(), small()], device=device)
     assert not solver.replay(budget=30)
     U0 = solver.state.U[0].numpy()
     U0[solver.state.row(1) + cell] = value
@@ -57,8 +57,8 @@ def test_a_spoiled_value_is_found_whatever_the_compiler_assumes(cell: int, value
     assert solver.state.t.numpy()[0] == 0.2
 
 
-def test_no_more_steps_once_told_to_stop() -> None:
-    solver = Solver.holding([small()])
+def test_no_more_steps_once_told_to_stop(device: str) -> None:
+    solver = Solver.holding([small()], device=device)
     solver.steps_per_replay = 50
     for done in (run_kernels(solver, [small()], lambda t: False), run_reference([small()], lambda t: False)):
         assert 0 < done.steps[0] <= 100
@@ -66,7 +66,7 @@ def test_no_more_steps_once_told_to_stop() -> None:
         assert done.status[0] == Status.INTERRUPTED
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", EVERY_ENGINE)
 def test_the_step_limit_ends_a_run(engine: str) -> None:
     done = ran(engine, small(**{"time.step_limit": 17}), [0.0, 0.2])
     assert (done.steps, done.status) == (17, Status.STEP_LIMIT)
@@ -75,7 +75,7 @@ def test_the_step_limit_ends_a_run(engine: str) -> None:
     assert np.isnan(done.h[1]).all()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", EVERY_ENGINE)
 def test_a_run_at_rest_may_end_and_repeats_its_last_state(engine: str) -> None:
     case = small(**{"slope.angle": 0.0})
     times = np.linspace(0.0, 1.5, 31)
@@ -93,7 +93,7 @@ def test_a_run_at_rest_may_end_and_repeats_its_last_state(engine: str) -> None:
     assert np.abs(stopped.h[-1] - free.h[-1]).max() < 5e-4  # it was at rest
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", EVERY_ENGINE)
 def test_a_slow_start_is_no_rest(engine: str) -> None:
     case = small(**{"time.stop_at_rest": True, "time.rest_speed": 0.8})
     done = ran(engine, case, [0.0, 0.001, 0.002, 0.1])

@@ -82,9 +82,9 @@ def expected_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
     }  # fmt: skip
 
 
-def actual_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
+def actual_stages(case: Case, steps: int, device: str) -> dict[str, np.ndarray]:
     """The same from the kernels, every output poisoned before the last step."""
-    solver = Solver.holding([case.with_(**{"time.end": 1e3, "time.snapshots": [1e3]})])
+    solver = Solver.holding([case.with_(**{"time.end": 1e3, "time.snapshots": [1e3]})], device=device)
     s = solver.state
     for _ in range(steps - 1):
         solver.step()
@@ -114,10 +114,10 @@ STAGES = ("h v phi mu v_f dt Dz iota h_star phi_star F0 F1_l F1_r F2 W0 W1 W2 s 
 
 
 @pytest.fixture(scope="module", params=[(2.0, {}), (1.5, {}), (2.0, dict.fromkeys(ENDS, "periodic"))])
-def stages(request: pytest.FixtureRequest) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+def stages(request: pytest.FixtureRequest, device: str) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     alpha, ends = request.param
     case = rough_case(**{"scheme.alpha": alpha, **ends})
-    return actual_stages(case, 5), expected_stages(case, 5)
+    return actual_stages(case, 5, device), expected_stages(case, 5)
 
 
 @pytest.mark.parametrize("name", STAGES)
@@ -132,9 +132,9 @@ def test_stage_agrees_with_the_reference(name: str, stages: tuple[dict[str, np.n
 Bits = list[tuple[np.ndarray, ...]]
 
 
-def bits(cases: Sequence[Case], precision: str = "float64", replay: int | None = None) -> Bits:
+def bits(cases: Sequence[Case], precision: str = "float64", replay: int | None = None, device: str = "cpu") -> Bits:
     """The snapshots, scalars and steps of each run."""
-    solver = Solver.holding(cases, precision_name=precision)
+    solver = Solver.holding(cases, precision_name=precision, device=device)
     while not solver.replay(replay):
         pass
     return recorded(solver)
@@ -164,20 +164,20 @@ SERIES = {"time.series": {"every": 0.03}}
 
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])
-def test_a_batch_gives_the_bits_of_single_runs(precision: str) -> None:
+def test_a_batch_gives_the_bits_of_single_runs(precision: str, device: str) -> None:
     cases = [small(**SERIES, **changes) for changes in MIXED]
-    batch = bits(cases, precision)
-    singles = [bits([case], precision)[0] for case in cases]
+    batch = bits(cases, precision, device=device)
+    singles = [bits([case], precision, device=device)[0] for case in cases]
     assert_same_bits(batch, singles)
     assert len({int(run[-1]) for run in batch}) == len(cases)  # each has its own time step
 
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])
 @pytest.mark.parametrize("changes", MIXED)
-def test_the_window_changes_no_bit(changes: dict[str, Any], precision: str) -> None:
+def test_the_window_changes_no_bit(changes: dict[str, Any], precision: str, device: str) -> None:
     case = small(**{"grid.cells": 300, **SERIES, **changes})
     full = case.with_(**{"scheme.window": False})
-    assert_same_bits(bits([case], precision), bits([full], precision))
+    assert_same_bits(*(bits([each], precision, device=device) for each in (case, full)))
 
 
 def test_the_window_leaves_out_what_is_dry() -> None:
@@ -189,25 +189,26 @@ def test_the_window_leaves_out_what_is_dry() -> None:
     assert 150 < limited < 260
 
 
-def test_replays_of_any_length_give_the_same_bits() -> None:
-    assert_same_bits(bits([small(**SERIES)]), bits([small(**SERIES)], replay=7))
+def test_replays_of_any_length_give_the_same_bits(device: str) -> None:
+    case = small(**SERIES)
+    assert_same_bits(bits([case], device=device), bits([case], replay=7, device=device))
 
 
-def test_a_step_by_hand_gives_the_bits_of_a_replay() -> None:
-    stepped = Solver.holding([small(**SERIES)])
+def test_a_step_by_hand_gives_the_bits_of_a_replay(device: str) -> None:
+    stepped = Solver.holding([small(**SERIES)], device=device)
     while stepped.state.active.numpy()[0]:
         stepped.step()
-    assert_same_bits(bits([small(**SERIES)]), recorded(stepped))
+    assert_same_bits(bits([small(**SERIES)], device=device), recorded(stepped))
 
 
 @pytest.mark.parametrize("other", [{"grid.cells": 250, "slope.angle": 30.0}, {"scheme.h_bed": 1e-3}])
-def test_a_solver_loaded_again_remembers_nothing(other: dict[str, Any]) -> None:
-    used = Solver(3, 256, variant_of(small(), "float64"), Outputs.of(small(**SERIES)))
+def test_a_solver_loaded_again_remembers_nothing(other: dict[str, Any], device: str) -> None:
+    used = Solver(3, 256, variant_of(small(), "float64"), Outputs.of(small(**SERIES)), device)
     used.load([small(**SERIES, **other)] * 3)
     assert used.replay()
     used.load([small(**SERIES)])  # fewer than there is room for
     assert used.replay()
-    assert_same_bits(recorded(used)[:1], bits([small(**SERIES)]))
+    assert_same_bits(recorded(used)[:1], bits([small(**SERIES)], device=device))
     assert list(used.state.steps.numpy()[1:]) == [0, 0]
 
 

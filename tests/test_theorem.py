@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases import ENGINES, Ran, at_centres, ran, small
+from cases import EVERY_ENGINE, Ran, at_centres, ran, small
 
 from warpgran.case import Case
 
 FINITE_VOLUMES: dict[str, Any] = {"rheology.K": 0.0, "scheme.xi": [0.0, 0.0, 0.0]}
 CELLS = 128
 
-pytestmark = pytest.mark.parametrize("engine", ENGINES)
+pytestmark = pytest.mark.parametrize("engine", EVERY_ENGINE)
 
 
 def rough(seed: int, dry: float = 0.2) -> dict[str, Any]:

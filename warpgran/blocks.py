@@ -8,7 +8,7 @@ from typing import NamedTuple
 from warpgran.kernels.precision import Variant
 from warpgran.outputs import Outputs
 from warpgran.solver import variant_of
-from warpgran.state import bytes_of_run, padded_cells
+from warpgran.state import bytes_of_run, most_runs, padded_cells
 from warpgran.sweep import Study
 
 CACHE = 2**20
@@ -47,11 +47,11 @@ def plan(
         outputs: When they are recorded.
         precision: "float64" or "float32".
         on_cpu: Whether a block is to fit the cache of a core, rather than fill the memory.
-        threads: Blocks computed at once.
+        threads: Blocks computed at once; each gets some of the runs.
         memory: Bytes that those may take together.
 
     Raises:
-        MemoryError: A single run takes more; the message says how much.
+        MemoryError: A single run takes more, or more than any memory; the message says how much.
     """
     groups: dict[tuple[Variant, int], list[int]] = {}
     for run, kind in zip(runs, _kinds(study, runs, precision), strict=True):
@@ -61,11 +61,16 @@ def plan(
         size = bytes_of_run(padded - 1, outputs, precision)
         if size > memory:
             raise MemoryError(f"a run of {padded - 1} cells takes {size / 2**20:.0f} MiB; allow that much or more")
-        room = int(memory / max(1, min(threads, len(members))) // size)
+        most = most_runs(padded, outputs)
+        if most == 0:
+            kept = f"{outputs.snapshots} snapshots and {outputs.samples} samples"
+            raise MemoryError(
+                f"a run of {padded - 1} cells with {kept} has more numbers than fit an array; ask for fewer"
+            )
+        room = min(int(memory / max(1, min(threads, len(members))) // size), most, -(-len(members) // threads))
         if on_cpu:
             room = min(room, CACHE // bytes_of_run(padded - 1, Outputs.none(), precision))
-            room = min(room, -(-len(members) // threads))
-        room = max(1, min(room, len(members)))
+        room = max(1, room)
         blocks += [Block(tuple(members[k : k + room]), room, padded, variant) for k in range(0, len(members), room)]
     return blocks
 

@@ -57,7 +57,7 @@ def run(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="OUT.h5", help="Default: the run file's name, here.")
     ] = None,
-    device: Annotated[str, typer.Option(help="cpu, cuda or cuda:N.")] = "cpu",
+    device: Annotated[str, typer.Option(help="cpu, cuda, cuda:N, or several: cuda:0,cuda:1.")] = "cpu",
     precision: PrecisionOption = "float64",
     engine: Annotated[Literal["warp", "numpy"], typer.Option(help="Kernels, or the NumPy reference.")] = "warp",
     set_: SetOption = None,
@@ -86,11 +86,11 @@ def run(
         share, suffix = _share(shard, len(study))
         path = output or Path(f"{file.stem}{suffix}.h5")
         if engine == "warp":
-            from warpgran.device import find_device, start_quietly
+            from warpgran.device import find_devices, start_quietly
 
             start_quietly()
             if cluster is None:
-                find_device(device)
+                find_devices(device)
         with _where(cluster, how) as (how, compute), _progress(study, len(share)) as progress:
             outcome = run_to_file(study, path, how, runs=share, resume=resume, progress=progress, compute=compute)
         data = open_dataset(path)
@@ -136,12 +136,16 @@ def info() -> None:
         import warp as wp
 
         from warpgran.device import devices, start_quietly
+        from warpgran.outputs import Outputs
+        from warpgran.state import bytes_of_run
 
         start_quietly()
     typer.echo(f"warpgran {version('warpgran')}, warp {wp.__version__}, numpy {version('numpy')}")
     typer.echo(f"python {sys.version.split()[0]}, {sys.platform}")
     for alias, name, memory in devices():
-        typer.echo(f"device {alias}: {name}, {memory:.1f} GiB")
+        runs = [f"{memory * 2**30 / bytes_of_run(1000, Outputs.none(), precision):,.0f} in {precision}"
+                for precision in ("float64", "float32")]  # fmt: skip
+        typer.echo(f"device {alias}: {name}, {memory:.1f} GiB: runs of 1000 cells that fit: {', '.join(runs)}")
     typer.echo(f"compiled kernels: {wp.config.kernel_cache_dir}")
 
 

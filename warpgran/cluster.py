@@ -6,9 +6,10 @@ them is kept in flight, and rows are stored by the submitting process alone, as 
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
@@ -35,6 +36,8 @@ RETRIES = 2
 RECOUNT = 5.0
 """Seconds between two looks at how many workers there are."""
 _NAMED = 8
+_gpu = threading.Lock()
+"""Held by the thread of a worker that uses its GPU: what others launched would become part of the graph it records."""
 
 
 class ClusterError(OSError):
@@ -181,8 +184,9 @@ def run_block(cases: list[Case], options: Options, submitter: tuple[str, str]) -
         return run_reference(cases, lambda t: True)
     from warpgran.solver import Solver
 
-    solver = Solver.holding(cases, precision_name=options.precision, device=options.device)
-    return run_kernels(solver, cases, lambda t: True)
+    with nullcontext() if options.device == "cpu" else _gpu:
+        solver = Solver.holding(cases, precision_name=options.precision, device=options.device)
+        return run_kernels(solver, cases, lambda t: True)
 
 
 def check_in(options: Options, submitter: tuple[str, str]) -> float:

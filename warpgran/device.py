@@ -35,13 +35,33 @@ def find_device(name: str) -> str:
         name: "cpu", "cuda" or "cuda:N".
 
     Raises:
-        DeviceError: It is not there.
+        DeviceError: It is not there, or its driver is too old.
     """
     try:
-        return str(wp.get_device(name))
+        found = wp.get_device(name)
     except (RuntimeError, ValueError):
         there = ", ".join(str(device) for device in wp.get_devices())
         raise DeviceError(f"device: {name!r} is not on this machine; there is: {there}") from None
+    if found.is_cuda and not wp.is_conditional_graph_supported():
+        raise DeviceError(f"device: {name!r} has a driver without loops in graphs; allowed: one for CUDA 12.4 or later")
+    return str(found)
+
+
+def find_devices(names: str) -> tuple[str, ...]:
+    """The names Warp gives devices that are there, each of which computes in a thread of its own.
+
+    Args:
+        names: One, or several of a kind with commas between: "cuda:0,cuda:1". The cpu may be named more than once.
+
+    Raises:
+        DeviceError: One is not there, has too old a driver, or does not go with the others.
+    """
+    found = tuple(find_device(name.strip()) for name in names.split(","))
+    if len({name.partition(":")[0] for name in found}) > 1:
+        raise DeviceError(f"device: {names!r} is of two kinds; allowed: several of one, as cuda:0,cuda:1")
+    if found[0] != "cpu" and len(set(found)) < len(found):
+        raise DeviceError(f"device: {names!r} names a GPU twice; allowed: each once, since a block fills it")
+    return found
 
 
 def devices() -> list[tuple[str, str, float]]:
@@ -55,9 +75,15 @@ def memory_of(device: str) -> float:
     return float(found.total_memory) if found.is_cuda else _ram() * 2**30
 
 
-def _ram() -> float:
+def free_memory_of(device: str) -> float:
+    """Bytes of memory of a device that nobody uses, 0 if not known."""
+    found = wp.get_device(device)
+    return float(found.free_memory) if found.is_cuda else _ram("SC_AVPHYS_PAGES") * 2**30
+
+
+def _ram(pages: str = "SC_PHYS_PAGES") -> float:
     try:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf(pages) / 2**30
     except (AttributeError, ValueError, OSError):
         return 0.0
 

@@ -136,7 +136,7 @@ def _equal(a: Any, b: Any) -> bool:
 
 
 def _kind(device: str) -> str:
-    return str(device).split(":")[0]
+    return str(device).split(",")[0].split(":")[0]
 
 
 def exit_status(status: Array) -> int:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import cycle
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
@@ -49,11 +50,11 @@ class Options:
     """How to compute.
 
     Attributes:
-        device: "cpu", "cuda" or "cuda:N".
+        device: "cpu", "cuda", "cuda:N", or several of a kind with commas between, which share the blocks.
         precision: "float64" or "float32".
         engine: "warp", or "numpy" for the reference implementation.
-        threads: Blocks at once; all cores by default.
-        memory: Bytes for the runs being computed; a quarter of the machine's by default.
+        threads: Blocks at once; all cores by default. A GPU has one.
+        memory: Bytes for the runs being computed; a quarter of the machine's, or of the GPUs', by default.
     """
 
     device: str = "cpu"
@@ -75,11 +76,16 @@ class Options:
             raise OptionError(f"memory: {self.memory:g} is out of range; allowed: > 0 bytes")
 
     @property
+    def devices(self) -> tuple[str, ...]:
+        """The devices, one after another."""
+        return tuple(name.strip() for name in self.device.split(","))
+
+    @property
     def workers(self) -> int:
-        """Threads to use: all cores, but one for a GPU, whose blocks fill it, and for the reference."""
+        """Threads to use: all cores, but one for each GPU, whose blocks fill it, and for the reference."""
         if self.threads is not None:
             return self.threads
-        return (os.cpu_count() or 1) if self.engine == "warp" and self.device == "cpu" else 1
+        return (os.cpu_count() or 1) if self.engine == "warp" and self.device == "cpu" else len(self.devices)
 
     @property
     def bytes(self) -> float:
@@ -88,7 +94,8 @@ class Options:
             return self.memory
         from warpgran.device import memory_of
 
-        return memory_of(self.device) / 4
+        different = set(self.devices)
+        return min(map(memory_of, different)) * len(different) / 4
 
 
 @dataclass
@@ -123,10 +130,10 @@ def simulate(
 
     Args:
         cases: Those of a batch share time.end, time.snapshots and time.series; all else may differ.
-        device: "cpu", "cuda" or "cuda:N".
+        device: "cpu", "cuda", "cuda:N", or several GPUs with commas between, which share the runs.
         precision: "float64" or "float32".
         engine: "warp", or "numpy" for the reference implementation.
-        threads: Blocks of runs computed at once; all cores by default.
+        threads: Blocks of runs computed at once; all cores by default. A GPU has one.
         client: Of a dask cluster, whose workers compute instead of this machine; threads then has no part.
 
     Returns:
@@ -244,9 +251,14 @@ def _blocks(layout: Layout, options: Options, places: Sequence[int]) -> list[tup
     if options.engine == "numpy":
         return [((place,), None) for place in places]
     from warpgran.blocks import plan
-    from warpgran.device import find_device
+    from warpgran.device import find_devices
 
-    on_cpu = find_device(options.device) == "cpu"
+    devices = find_devices(options.device)
+    on_cpu = devices[0] == "cpu"
+    if options.workers < len(devices) or (options.workers > len(devices) and not on_cpu):
+        raise OptionError(
+            f"threads: {options.workers} for {len(devices)} devices; allowed: one for each, more on the cpu"
+        )
     place_of = {int(layout.runs[place]): place for place in places}
     planned = plan(layout.study, list(place_of), layout.outputs, options.precision, on_cpu=on_cpu,
                    threads=options.workers, memory=options.bytes)  # fmt: skip
@@ -258,11 +270,19 @@ class _StoppedError(Exception):
 
 
 class _Workers:
-    """Solvers of this computation, kept by each thread for the next block of the same shape."""
+    """Solvers of this computation, which each thread keeps, on its device, for its next block of the same shape."""
 
     def __init__(self, options: Options, layout: Layout) -> None:
-        self._options, self._layout = options, layout
+        self._layout = layout
+        self._devices = cycle(options.devices)
         self._kept = threading.local()
+
+    def device(self) -> str:
+        """The device of this thread: the next in turn, and from then on the same."""
+        if not hasattr(self._kept, "device"):
+            self._kept.device = next(self._devices)
+        name: str = self._kept.device
+        return name
 
     def solver(self, block: Block | None) -> Solver | None:
         """A solver for a block; None if the reference is to compute it."""
@@ -273,7 +293,7 @@ class _Workers:
         shape = block.room, block.padded, block.variant
         if getattr(self._kept, "shape", None) != shape:
             self._kept.solver = None  # gives its memory back before the next takes some
-            self._kept.solver = Solver(*shape, self._layout.outputs, self._options.device)
+            self._kept.solver = Solver(*shape, self._layout.outputs, self.device())
             self._kept.shape = shape
         solver: Solver = self._kept.solver
         return solver

@@ -10,10 +10,11 @@ import numpy as np
 import warp as wp
 
 from warpgran.case import Case
+from warpgran.device import free_memory_of
 from warpgran.kernels.build import build
 from warpgran.kernels.precision import Variant, precision
 from warpgran.outputs import Outputs
-from warpgran.state import State, padded_cells
+from warpgran.state import State, bytes_of_run, padded_cells
 
 Array = np.ndarray
 
@@ -78,6 +79,7 @@ class Solver:
 
         Raises:
             ValueError: The device has no such lanes.
+            MemoryError: The device has no room for so many runs; the message says for how many.
         """
         self.device = wp.get_device(device)
         self.lanes = lanes or (1 if self.device.is_cpu else LANES)
@@ -88,7 +90,14 @@ class Solver:
         self.steps_per_replay = min(max(100, many // (runs * padded)), MOST_STEPS)
         with _calls:
             self.kernels = build(variant, many_lanes=self.lanes > 1)
-            self.state = State(runs, padded, outputs, precision(variant.precision), self.device)
+            free = free_memory_of(str(self.device))
+            try:
+                self.state = State(runs, padded, outputs, precision(variant.precision), self.device)
+            except RuntimeError as error:  # Warp's, of memory that it does not get
+                size = bytes_of_run(padded - 1, outputs, variant.precision)
+                message = f"{self.device}: no room for {runs} runs of {padded - 1} cells, {runs * size / 2**30:.2g} GiB"
+                fit = f"{free / 2**30:.2g} GiB are free, enough for {free // size:.0f}"
+                raise MemoryError(f"{message}; {fit}: give less to a block by --memory") from error
             for kernel in filter(None, self.kernels):
                 wp.load_module(kernel.module, device=self.device, block_dim=self.lanes)
             with wp.ScopedCapture(device=self.device) as capture:
@@ -144,7 +153,9 @@ class Solver:
             s.running.zero_()
             self._over_runs(self.kernels.start, [s.active, s.running])
         wp.capture_launch(self._graph)
-        return not s.active.numpy().any()
+        wp.synchronize_device(self.device)  # a GPU is waited for here, so that others may call Warp meanwhile
+        with _calls:
+            return not s.active.numpy().any()
 
     def _wrap(self, *arrays: Any) -> None:
         """Set the ghost cells of periodic runs."""

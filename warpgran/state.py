@@ -183,3 +183,15 @@ def bytes_of_run(cells: int, outputs: Outputs, precision: str) -> int:
     real = 8 if precision == "float64" else 4
     row = padded_cells(cells)
     return real * ((row + MARGIN) * ARRAYS + 3 * outputs.snapshots * row) + 8 * outputs.samples * len(SCALARS)
+
+
+def most_runs(padded: int, outputs: Outputs) -> int:
+    """Runs that a state may have room for, whatever the memory: Warp counts the elements of an array in 31 bits.
+
+    Args:
+        padded: Elements of a row.
+        outputs: When the runs are recorded.
+    """
+    elements = 2**31 - 1 - ARRAYS * 5 * MARGIN  # less what lies between the arrays of the slab
+    row = ARRAYS * (padded + MARGIN), outputs.snapshots * padded, outputs.samples * len(SCALARS)
+    return elements // max(row)
