@@ -10,24 +10,23 @@ from unittest import mock
 
 import numpy as np
 import warp as wp
-from work import Crews, Round, Work
+from work import Moving, Round
 
 REPEATS = 200
 IN_CACHE = 8192
 """Elements that fit the cache, and so many that a call of NumPy costs little."""
 
 
-def stages(crews: Crews, work: Work) -> dict[str, Round]:
-    """A round for each kernel of a step, in their order, that returns ns per cell of a block of the work."""
-    moving = crews.of(work)[0]
+def stages(moving: Moving, cells: int, repeats: int = REPEATS) -> dict[str, Round]:
+    """A round for each kernel of a step, in their order, that returns ns per cell of runs of so many cells."""
     moving.put_back()
     state = moving.solver.state
     rounds = {}
     for kernel, keywords in _launches(moving.solver.step):
-        with wp.ScopedCapture(device="cpu") as capture:
-            for _ in range(REPEATS):
+        with wp.ScopedCapture(device=moving.solver.device) as capture:
+            for _ in range(repeats):
                 wp.launch(kernel, **keywords)
-        rounds[kernel.key.split("__")[-1]] = _round(capture.graph, REPEATS * state.runs * work.cells, moving.put_back)
+        rounds[kernel.key.split("__")[-1]] = _round(capture.graph, repeats * state.runs * cells, moving)
     return rounds
 
 
@@ -39,11 +38,13 @@ def _launches(step: Callable[[], None]) -> list[tuple[Any, dict[str, Any]]]:
     return noted
 
 
-def _round(graph: Any, cells: int, put_back: Callable[[], None]) -> Round:
+def _round(graph: Any, cells: int, moving: Moving) -> Round:
     def round_() -> float:
-        put_back()
+        moving.put_back()
+        wp.synchronize_device(moving.solver.device)
         began = time.perf_counter()
         wp.capture_launch(graph)
+        wp.synchronize_device(moving.solver.device)
         return (time.perf_counter() - began) * 1e9 / cells
 
     return round_

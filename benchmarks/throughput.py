@@ -147,7 +147,7 @@ def by_stage(crews: Crews, effort: Effort) -> dict[str, dict[str, list[float]]]:
     found: dict[str, dict[str, list[float]]] = {}
     for precision in PRECISIONS:
         work = Work(1000, 64, precision)
-        figures, _ = measured(stages(crews, work), effort.rounds)
+        figures, _ = measured(stages(crews.of(work)[0], work.cells), effort.rounds)
         found[precision] = figures
         heading(f"By kernel, {precision}, a block of {work.blocks()[0].room} runs of 1000 cells, ns per cell")
         listed(figures, str)

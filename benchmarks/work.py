@@ -82,26 +82,33 @@ def column(cells: int, window: bool, changes: Mapping[str, Any] | None = None) -
 class Moving:
     """A solver full of columns in motion, which can be put back to where it was.
 
+    Args:
+        case: Of all its runs.
+        block: How many, and their shape.
+        start: Time [s] that they have reached.
+        where: The device, and other keywords of a solver.
+
     Attributes:
-        solver: It, at T_START or some steps later.
+        solver: It, at `start` or some steps later.
     """
 
-    def __init__(self, case: Case, block: Block) -> None:
-        self.solver = Solver(block.room, block.padded, block.variant, Outputs.of(case))
+    def __init__(self, case: Case, block: Block, start: float = T_START, **where: Any) -> None:
+        self.solver = Solver(block.room, block.padded, block.variant, Outputs.of(case), **where)
         self.solver.load([case] * block.room)
         state = self.solver.state
-        while float(state.t.numpy()[0]) < T_START:
+        while float(state.t.numpy()[0]) < start:
             self.solver.replay(budget=20)
         self._kept = [(array, wp.clone(array)) for array in _arrays(vars(state).values())]
 
     def put_back(self) -> None:
-        """Undo all steps since T_START."""
+        """Undo all steps since the start."""
         for live, kept in self._kept:
             wp.copy(live, kept)
 
     def seconds(self, steps: int) -> float:
-        """Time of some steps from T_START."""
+        """Time of some steps from the start."""
         self.put_back()
+        wp.synchronize_device(self.solver.device)
         began = time.perf_counter()
         self.solver.replay(budget=steps)
         return time.perf_counter() - began

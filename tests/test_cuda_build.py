@@ -19,8 +19,14 @@ VARIANTS: list[dict[str, Any]] = [
     {"alpha_two": False, "phi_eq": "f2"},
 ]
 """Between them every choice of every option; the first two differ in all of them."""
-TARGETS = [(90, VARIANTS), (80, VARIANTS[:2]), (100, VARIANTS[:2])]
-"""Compute capabilities (A100, H100, B200, the number without its point) and the variants compiled for each."""
+TARGETS = [
+    *((arch, precision, VARIANTS[0]) for arch in (80, 90, 100) for precision in ("float64", "float32")),
+    *((90, precision, VARIANTS[1]) for precision in ("float64", "float32")),
+    (90, "float64", VARIANTS[2]),
+    (90, "float32", VARIANTS[3]),
+]
+"""Compute capabilities (of an A100, H100 and B200, without their point), precisions, and variants. Every kernel in both
+precisions for all of them; every choice for one."""
 
 
 def test_the_variants_have_every_choice_of_every_option() -> None:
@@ -32,9 +38,8 @@ def test_the_variants_have_every_choice_of_every_option() -> None:
     assert {name: {variant[name] for variant in made} for name in made[0] if name != "precision"} == known
 
 
-@pytest.mark.parametrize("precision", ["float64", "float32"])
-@pytest.mark.parametrize(("arch", "changes"), [(arch, changes) for arch, set_ in TARGETS for changes in set_])
-def test_every_kernel_compiles_for_cuda(arch: int, changes: dict[str, Any], precision: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("arch", "precision", "changes"), TARGETS)
+def test_every_kernel_compiles_for_cuda(arch: int, precision: str, changes: dict[str, Any], tmp_path: Path) -> None:
     kernels = build(Variant(precision, **changes), many_lanes=True)
     modules = {kernel.module for kernel in kernels}
     if changes:  # the kernels over runs are those of all variants

@@ -48,14 +48,22 @@ def same_but_for_how(a: xr.Dataset, b: xr.Dataset) -> None:
 @pytest.mark.parametrize(
     ("names", "words"),
     [
-        ("cuda:9", "'cuda:9' is not on this machine; there is: cpu"),
-        ("cpu,cuda:9", "'cuda:9' is not on this machine"),
+        ("cuda:99", "'cuda:99' is not on this machine; there is: cpu"),
+        ("cpu,cuda:99", "'cuda:99' is not on this machine"),
         ("cpu,", "'' is not on this machine"),
     ],
 )
-def test_devices_that_are_not_there(names: str, words: str) -> None:
+def test_devices_that_are_not_there(names: str, words: str, capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(DeviceError, match=words):
         find_devices(names)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.skipif(wp.is_cuda_available(), reason="there is an NVIDIA GPU here")
+def test_a_gpu_where_there_is_none(capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(DeviceError, match="'cuda' is not on this machine; there is: cpu"):
+        find_devices("cuda")
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("gpu", GPUS)

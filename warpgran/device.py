@@ -38,6 +38,8 @@ def find_device(name: str) -> str:
         DeviceError: It is not there, or its driver is too old.
     """
     try:
+        if name.startswith("cuda") and not wp.is_cuda_available():
+            raise ValueError  # before Warp asks a driver that is not there, which complains on standard error
         found = wp.get_device(name)
     except (RuntimeError, ValueError):
         there = ", ".join(str(device) for device in wp.get_devices())
