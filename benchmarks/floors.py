@@ -24,7 +24,7 @@ from warpgran.kernels.build import build
 from warpgran.kernels.precision import Variant
 
 ARCH = 90
-KERNELS = ("decode", "friction", "limits", "reconstruct", "flux", "update", "relax", "diffuse")
+KERNELS = ("decode", "fill", "limits", "reconstruct", "flux", "update", "relax", "diffuse")
 """The kernels that visit cells at every step, in their order."""
 
 
