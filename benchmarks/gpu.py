@@ -20,8 +20,10 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
 import warp as wp
 from floors import ARCH, KERNELS, Count, counts, table, total
+from one_block import OneBlock
 from report import heading, machine
 from right import correctness
 from stages import stages
@@ -29,6 +31,7 @@ from visit import Visit
 from work import Crews, Moving, Precision, Work, column
 
 from warpgran.blocks import Block
+from warpgran.case import Case
 from warpgran.device import DeviceError, find_device, free_memory_of, start_quietly
 from warpgran.outputs import Outputs
 from warpgran.simulation import simulate
@@ -38,6 +41,8 @@ from warpgran.state import bytes_of_run, most_runs, padded_cells
 PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 WARM_UP = 20
 ROUNDS = 3
+STEPS = 200
+"""Of a launch that does many."""
 
 
 @dataclass(frozen=True)
@@ -102,10 +107,15 @@ def steady(solver: Solver, seconds: float) -> float:
     return statistics.median(timed(steps) for _ in range(ROUNDS))
 
 
+def endless(cells: int) -> Case:
+    """A column, all of whose cells are visited, and whose only output is never reached."""
+    return column(cells, False, {"time.end": 1e6, "time.snapshots": [1e6]})
+
+
 def full(device: str, cells: int, runs: int, precision: str, **shape: int) -> Solver:
-    """A solver full of columns, all cells visited, that does not reach its output."""
+    """A solver full of endless columns."""
     gc.collect()  # the memory of the one before
-    case = column(cells, False, {"time.end": 1e6, "time.snapshots": [1e6]})
+    case = endless(cells)
     solver = Solver(runs, padded_cells(cells), variant_of(case, precision), Outputs.of(case), device, **shape)
     solver.load([case] * runs)
     return solver
@@ -211,6 +221,41 @@ def whole(visit: Visit, plan: Plan) -> None:
                 visit.note("collapses", figure, f"{where:8s}{precision:10s}{runs:6d} runs{seconds:10.2f} s, {words}")
 
 
+def one_block(visit: Visit, plan: Plan) -> None:
+    """Small runs by a block each, many steps a launch, against the step's launches in a graph."""
+    if plan.shapes:
+        heading("A block a run and many steps a launch (one_block.py), 1000 cells, us a step; in brackets the graph's")
+    for runs in plan.shapes:
+        for precision in PRECISIONS:
+            for lanes in (256, 512):
+                with visit.trying(f"one block a run, {runs} x 1000 in {precision}, {lanes} lanes", 8.0) as possible:
+                    if not possible:
+                        continue
+                    solver = full(visit.device, 1000, runs, precision, lanes=lanes, chunk=padded_cells(1000))
+                    graph = steady(solver, plan.round_seconds / 2)
+                    solver.load([endless(1000)] * runs)
+                    solver.replay(budget=STEPS)
+                    expected = [u.numpy().copy() for u in solver.state.U]
+                    solver.load([endless(1000)] * runs)
+                    blocks = OneBlock(solver)
+                    blocks.steps(STEPS)
+                    same = all(map(np.array_equal, [u.numpy() for u in solver.state.U], expected))
+                    block = statistics.median(timed(blocks, solver) for _ in range(ROUNDS))
+                    visit.note("one_block", {"runs": runs, "precision": precision, "lanes": lanes, "same_bits": same,
+                                             "seconds_a_step": block, "seconds_a_step_by_graph": graph},
+                               f"{runs:6d} runs in {precision}{lanes:6d} lanes{block * 1e6:12.1f} ({graph * 1e6:.1f})"
+                               f"{'' if same else ', OTHER BITS'}")  # fmt: skip
+
+
+def timed(blocks: OneBlock, solver: Solver) -> float:
+    """Seconds a step of runs in motion."""
+    wp.synchronize_device(solver.device)
+    began = time.perf_counter()
+    blocks.steps(STEPS)
+    wp.synchronize_device(solver.device)
+    return (time.perf_counter() - began) / STEPS
+
+
 def against_cpu(visit: Visit, plan: Plan) -> None:
     """The same work on all cores of this host."""
     cores = os.cpu_count() or 1
@@ -268,6 +313,7 @@ def measure(visit: Visit, plan: Plan) -> None:
     by_stage(visit, plan, copied, floors)
     against_cpu(visit, plan)
     whole(visit, plan)
+    one_block(visit, plan)
     shapes(visit, plan)
     throughput(visit, replace(plan, cells=tuple(others)), copied, floors)
 

@@ -22,7 +22,7 @@ def stages(moving: Moving, cells: int, repeats: int = REPEATS) -> dict[str, Roun
     moving.put_back()
     state = moving.solver.state
     rounds = {}
-    for kernel, keywords in _launches(moving.solver.step):
+    for kernel, keywords in launches(moving.solver.step):
         with wp.ScopedCapture(device=moving.solver.device) as capture:
             for _ in range(repeats):
                 wp.launch(kernel, **keywords)
@@ -30,7 +30,7 @@ def stages(moving: Moving, cells: int, repeats: int = REPEATS) -> dict[str, Roun
     return rounds
 
 
-def _launches(step: Callable[[], None]) -> list[tuple[Any, dict[str, Any]]]:
+def launches(step: Callable[[], None]) -> list[tuple[Any, dict[str, Any]]]:
     """What a step launches, without launching it."""
     noted: list[tuple[Any, dict[str, Any]]] = []
     with mock.patch.object(wp, "launch", lambda kernel, **keywords: noted.append((kernel, keywords))):

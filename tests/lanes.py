@@ -9,6 +9,8 @@ code of single lanes: here contraction follows the source alone, in the plain lo
 from __future__ import annotations
 
 import sys
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,10 @@ wp.config.log_level = wp.LOG_WARNING
 precision.FAST += " -ffp-contract=on"
 precision.CAREFUL += " -ffp-contract=on"
 
+sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
+
 from cases import small  # noqa: E402
+from one_block import OneBlock  # noqa: E402
 
 from warpgran.case import Case  # noqa: E402
 from warpgran.outputs import Outputs  # noqa: E402
@@ -53,9 +58,29 @@ def cases(changes: dict[str, Any]) -> list[Case]:
     return [small(**{**times, **changes, **one}) for one in each]
 
 
+def kept(solver: Solver) -> dict[str, np.ndarray]:
+    """What each run recorded and how it ended."""
+    state = solver.state
+    profiles = dict(zip(("h", "v", "phi"), state.recorded_profiles(), strict=True))
+    ended = {key: getattr(state, key).numpy().copy() for key in ("status", "steps", "t", "bad_cell", "lo", "hi")}
+    return {**profiles, **ended, "scalars": state.recorded_scalars()}
+
+
+def one_block(batch: list[Case], padded: int) -> Solver:
+    """The batch by a block a run, 50 steps a launch; its kernel compiles for a GPU too."""
+    solver = Solver(len(batch), padded, variant_of(batch[0], "float64"), Outputs.of(batch[0]), lanes=64, chunk=padded)
+    solver.load(batch)
+    blocks = OneBlock(solver)
+    with tempfile.TemporaryDirectory() as folder:
+        wp.compile_aot_module(blocks.module, arch=90, use_ptx=False, module_dir=folder)
+    while solver.state.active.numpy().any():
+        blocks.steps(50)
+    return solver
+
+
 def main() -> None:
     """Compute every way, and write what each run recorded and how it ended."""
-    found = {}
+    found: dict[str, np.ndarray] = {}
     for n, (name, changes, shapes) in enumerate(WAYS):
         batch = cases(changes)
         variant = variant_of(batch[0], name)
@@ -66,12 +91,10 @@ def main() -> None:
             solver.load(batch)
             while not solver.replay():
                 pass
-            state = solver.state
-            recorded = zip(("h", "v", "phi"), state.recorded_profiles(), strict=True)
-            ended = {key: getattr(state, key).numpy() for key in ("status", "steps", "t", "bad_cell", "lo", "hi")}
-            for key, values in {**dict(recorded), **ended, "scalars": state.recorded_scalars()}.items():
-                found[f"{n}/{shape}/{key}"] = values.copy()
-    np.savez(sys.argv[1], **found)
+            found |= {f"{n}/{shape}/{key}": values for key, values in kept(solver).items()}
+        if n == 0:
+            found |= {f"0/one block/{key}": values for key, values in kept(one_block(batch, padded)).items()}
+    np.savez(sys.argv[1], **found)  # type: ignore[arg-type]
 
 
 if __name__ == "__main__":

@@ -16,8 +16,8 @@ from warpgran.schema import Status
 from warpgran.solver import Solver, variant_of
 from warpgran.state import padded_cells
 
-COMPARED = [(0, 32), (0, 64), (0, 256), (1, 64), (2, 64)]
-"""Ways of tests/lanes.py, and the lanes that each is computed with."""
+COMPARED = [(0, "32 lanes"), (0, "64 lanes"), (0, "256 lanes"), (1, "64 lanes"), (2, "64 lanes"), (0, "one block")]
+"""Ways of tests/lanes.py, and what is compared with their plain loops; one block: benchmarks/one_block.py."""
 
 Found = dict[str, np.ndarray]
 
@@ -38,15 +38,15 @@ def test_runs_end_in_every_way_there_is(found: Found, way: int) -> None:
     assert list(found[f"{way}/plain loop/status"]) == expected
 
 
-@pytest.mark.parametrize(("way", "lanes"), COMPARED)
-def test_lanes_give_the_bits_of_a_plain_loop(found: Found, way: int, lanes: int) -> None:
+@pytest.mark.parametrize(("way", "shape"), COMPARED)
+def test_lanes_give_the_bits_of_a_plain_loop(found: Found, way: int, shape: str) -> None:
     for key in ("status", "steps", "t", "bad_cell", "lo", "hi", "h", "v", "phi"):
-        np.testing.assert_array_equal(found[f"{way}/{lanes} lanes/{key}"], found[f"{way}/plain loop/{key}"], key)
+        np.testing.assert_array_equal(found[f"{way}/{shape}/{key}"], found[f"{way}/plain loop/{key}"], key)
 
 
-@pytest.mark.parametrize(("way", "lanes"), COMPARED)
-def test_sums_of_lanes_differ_by_their_order_alone(found: Found, way: int, lanes: int) -> None:
-    ours, theirs = (found[f"{way}/{shape}/scalars"] for shape in (f"{lanes} lanes", "plain loop"))
+@pytest.mark.parametrize(("way", "shape"), COMPARED)
+def test_sums_of_lanes_differ_by_their_order_alone(found: Found, way: int, shape: str) -> None:
+    ours, theirs = (found[f"{way}/{each}/scalars"] for each in (shape, "plain loop"))
     for k, name in enumerate(SCALARS):
         if name in ("volume", "mass", "energy"):
             np.testing.assert_allclose(ours[..., k], theirs[..., k], rtol=1e-13, err_msg=name)
