@@ -43,7 +43,7 @@ def find_device(name: str) -> str:
         found = wp.get_device(name)
     except (RuntimeError, ValueError):
         there = ", ".join(str(device) for device in wp.get_devices())
-        raise DeviceError(f"device: {name!r} is not on this machine; there is: {there}") from None
+        raise DeviceError(f"device: {name!r} is not on this machine; there is: {there}{_of_the_driver()}") from None
     if found.is_cuda and not wp.is_conditional_graph_supported():
         raise DeviceError(f"device: {name!r} has a driver without loops in graphs; allowed: one for CUDA 12.4 or later")
     return str(found)
@@ -64,6 +64,14 @@ def find_devices(names: str) -> tuple[str, ...]:
     if found[0] != "cpu" and len(set(found)) < len(found):
         raise DeviceError(f"device: {names!r} names a GPU twice; allowed: each once, since a block fills it")
     return found
+
+
+def _of_the_driver() -> str:
+    """What to add where there is no GPU but an NVIDIA driver."""
+    driver = wp.get_cuda_driver_version()
+    if driver is None or wp.get_cuda_device_count():
+        return ""
+    return f" (the NVIDIA driver is for CUDA {driver[0]}.{driver[1]}; see docs/gpu.md for what Warp needs)"
 
 
 def devices() -> list[tuple[str, str, float]]:
