@@ -25,7 +25,7 @@ import warp as wp
 from floors import ARCH, KERNELS, Count, counts, table, total
 from one_block import OneBlock
 from report import heading, machine
-from right import correctness
+from right import CHECKS, correctness
 from stages import stages
 from visit import Visit
 from work import Crews, Moving, Precision, Work, column
@@ -37,6 +37,7 @@ from warpgran.outputs import Outputs
 from warpgran.simulation import simulate
 from warpgran.solver import CHUNK, LANES, Solver, variant_of
 from warpgran.state import bytes_of_run, most_runs, padded_cells
+from warpgran.storage import StorageError
 
 PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 WARM_UP = 20
@@ -274,12 +275,15 @@ def against_cpu(visit: Visit, plan: Plan) -> None:
 # The visit
 
 
+def passed(found: dict[str, Any]) -> int:
+    """How many checks found the device right."""
+    return sum(check["right"] for check in found.get("correctness", []))
+
+
 def in_short(found: dict[str, Any]) -> str:
     """The figures that matter, in a few lines."""
     lines = []
-    checks = found.get("correctness", [])
-    right = sum(check["right"] for check in checks)
-    lines.append(f"checks passed         {right} of {len(checks)}")
+    lines.append(f"checks passed         {passed(found)} of {CHECKS}")
     for precision in PRECISIONS:
         best = max((f for f in found.get("throughput", []) if f["precision"] == precision),
                    key=lambda f: f["cell_steps_a_second"], default=None)  # fmt: skip
@@ -331,7 +335,7 @@ def facts_of(device: str) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Measure, print and write; exit status 1 if something is not right."""
+    """Measure, print and write; exit status 1 if something is not right or was not checked."""
     parser = argparse.ArgumentParser(description="What a GPU does with warpgran's kernels.")
     parser.add_argument("--device", default="cuda", help="cuda, cuda:N, or cpu to try the script")
     parser.add_argument("--minutes", type=float, default=9.0, help="after which nothing more is begun")
@@ -341,7 +345,8 @@ def main() -> None:
     start_quietly()
     try:
         visit = Visit(find_device(chosen.device), chosen.minutes, chosen.json)
-    except DeviceError as error:
+        visit.write()
+    except (DeviceError, StorageError) as error:
         parser.error(str(error))
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, visit.stop)
@@ -357,7 +362,7 @@ def main() -> None:
         visit.write()
         heading("In short")
         print(in_short(visit.found))
-    sys.exit(0 if all(check["right"] for check in visit.found.get("correctness", [])) else 1)
+    sys.exit(0 if passed(visit.found) == CHECKS else 1)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from warpgran.storage import replacing
+
 
 class Visit:
     """What has been found, and how much time is left."""
@@ -49,7 +51,8 @@ class Visit:
     def write(self) -> None:
         """The JSON file as it stands."""
         if self.file:
-            self.file.write_text(json.dumps(self.found, indent=1) + "\n", encoding="utf-8")
+            with replacing(self.file) as part:
+                part.write_text(json.dumps(self.found, indent=1) + "\n", encoding="utf-8")
 
     @contextmanager
     def trying(self, what: str, seconds: float = 0.0) -> Iterator[bool]:

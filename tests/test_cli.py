@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -95,7 +96,9 @@ def test_check_says_what_a_run_asks_for(folder: Path) -> None:
 def test_info_names_the_devices(folder: Path) -> None:
     result = warpgran("info")
     assert result.exit_code == 0
-    assert "device cpu" in result.stdout
+    assert re.search(
+        r"device cpu: .* GiB: runs of 1000 cells that fit: [\d,]+ in float64, [\d,]+ in float32", result.stdout
+    )
 
 
 def test_a_diverged_run_is_told_and_kept(folder: Path) -> None:

@@ -24,7 +24,7 @@ from warpgran.outputs import Outputs
 from warpgran.results import Layout
 from warpgran.simulation import OptionError, Options, _Workers
 from warpgran.solver import Solver, variant_of
-from warpgran.state import ARRAYS, most_runs
+from warpgran.state import ARRAYS, bytes_of_run, most_runs
 from warpgran.sweep import Study
 
 
@@ -128,6 +128,15 @@ def test_a_state_of_most_runs_fits_the_largest_array(padded: int) -> None:
     many = Outputs.of(small(**{"time.snapshots": {"every": 0.002}}))
     assert many.snapshots == 101
     assert most_runs(padded, many) == (2**31 - 1 - ARRAYS * 5 * MARGIN) // (101 * padded)
+
+
+@pytest.mark.parametrize(("fit", "sizes"), [(2.5, [2, 2, 1]), (4.0, [4, 1]), (9.0, [5])])
+def test_blocks_are_cut_to_the_memory(fit: float, sizes: list[int]) -> None:
+    study, outputs = Study.of([small()] * 5), Outputs.of(small())
+    (whole,) = plan(study, range(5), outputs, "float64", on_cpu=False, threads=1, memory=1e12)
+    memory = fit * bytes_of_run(whole.padded - 1, outputs, "float64")
+    made = plan(study, range(5), outputs, "float64", on_cpu=False, threads=1, memory=memory)
+    assert [len(block.runs) for block in made] == sizes
 
 
 def test_blocks_are_cut_to_the_largest_array() -> None:

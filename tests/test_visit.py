@@ -10,6 +10,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 PROGRAM = Path(__file__).parent.parent / "benchmarks" / "gpu.py"
 COMMAND = [sys.executable, str(PROGRAM), "--device", "cpu", "--quick"]
 
@@ -66,8 +68,12 @@ def test_a_visit_cut_short_keeps_what_it_has(tmp_path: Path) -> None:
     assert "In short" in output
 
 
-def test_a_gpu_that_is_not_there(tmp_path: Path) -> None:
-    command = [sys.executable, str(PROGRAM), "--device", "cuda:99"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [(["--device", "cuda:99"], "'cuda:99' is not on this machine"), (["--json", "absent/a.json"], "absent/a.json")],
+)
+def test_what_cannot_be_is_told_at_once(tmp_path: Path, options: list[str], words: str) -> None:
+    done = subprocess.run([*COMMAND, *options], capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 2
-    assert "'cuda:99' is not on this machine" in done.stderr
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
