@@ -56,7 +56,7 @@ def make(variant: Variant) -> Rheology:
     @wp.func
     def f2(num: Real, den: Real, p: RunParams):
         """Equilibrium volume fraction, a power of 1/(1 + ...)."""
-        return p.phi_stat, wp.pow(Real(1.0) + p.K_tilde * num / (p.N * p.phi_stat * den), p.N)
+        return p.phi_stat * wp.pow(Real(1.0) + p.K_tilde * num / (p.N * p.phi_stat * den), -p.N), Real(1.0)
 
     @wp.func
     def f2_one(num: Real, den: Real, p: RunParams):

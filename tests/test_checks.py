@@ -11,6 +11,7 @@ import pytest
 
 from warpgran.case import Case, CaseError
 
+THREE = "three numbers >= 0, the second <= the first"
 PROFILE = {"x": [0.0, 0.4], "h": [0.1, 0.2]}
 
 
@@ -107,9 +108,9 @@ def test_only_finite_numbers_are_numbers(value: Any, words: str) -> None:
         ("scheme.viscosity", "none", '"none" is not known; allowed: "bounded" or "paper"'),
         ("scheme.left", "cyclic", '"cyclic" is not known; allowed: "wall", "open" or "periodic"'),
         ("scheme.right", 2, '2 is not known; allowed: "wall", "open" or "periodic"'),
-        ("scheme.xi", [1, 2], "[1, 2] has the wrong length; allowed: three numbers >= 0"),
-        ("scheme.xi", [1, 2, 3, 4], "[1, 2, 3, 4] has the wrong length; allowed: three numbers >= 0"),
-        ("scheme.xi", 2, "2 is not a list; allowed: three numbers >= 0"),
+        ("scheme.xi", [1, 2], f"[1, 2] has the wrong length; allowed: {THREE}"),
+        ("scheme.xi", [1, 2, 3, 4], f"[1, 2, 3, 4] has the wrong length; allowed: {THREE}"),
+        ("scheme.xi", 2, f"2 is not a list; allowed: {THREE}"),
         ("time.snapshots", 0.1, "0.1 is not a list; allowed: times in [0, time.end] or { every = s }, in s"),
         ("slope.bed", 3, "3 is not the path of a CSV file"),
         ("slope", 3, "3 is not a table of keys"),
@@ -261,3 +262,35 @@ def test_no_jargon_and_every_error_survives_a_pickle() -> None:
     assert not re.search("pydantic|http|Input should|type=|valid (dict|tuple)", str(caught.value))
     assert len(caught.value.problems) == 5
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+
+
+# What the scheme cannot do
+
+
+def test_momentum_must_not_diffuse_faster_than_mass() -> None:
+    assert refused(**{"scheme.xi": [2.0, 2.1, 5.0]}) == {
+        "scheme.xi": "[2.0, 2.1, 5.0] diffuses momentum faster than mass, which makes velocities out of nothing; "
+        "allowed: three numbers >= 0, the second <= the first"
+    }
+    assert Case().with_(**{"scheme.xi": [2.0, 0.0, 0.0]}).scheme.xi == (2.0, 0.0, 0.0)
+
+
+EXPONENTIAL = {"scheme.relaxation": "exponential", "scheme.cfl": 0.5, "rheology.K": 20.0, "scheme.h_min": 1e-3}
+
+
+@pytest.mark.parametrize("law", [{"rheology.phi_eq": "f0"}, {"rheology.phi_eq": "f1"}, {"rheology.phi_eq_N": 2.1}])
+def test_the_exponential_relaxation_has_a_longest_step(law: dict[str, Any]) -> None:
+    at_limit = {**EXPONENTIAL, **law, "grid.right": 2.0, "grid.cells": 5500}  # 2.5 cfl K dx/h_min = 10
+    assert Case().with_(**at_limit).scheme.relaxation == "exponential"
+    found = refused(**{**at_limit, "grid.cells": 5499})
+    assert found.keys() == {"scheme.relaxation"}
+    assert re.fullmatch(
+        r'"exponential" takes phi to nothing in one step of a thin cell: 2.5 cfl K dx/h_min is 10; '
+        r'allowed: <= 10 with f[012]; take "rational", or smaller cells',
+        found["scheme.relaxation"],
+    )
+    Case().with_(**{**at_limit, "grid.cells": 183, "scheme.relaxation": "rational"})
+
+
+def test_the_exponential_relaxation_is_free_where_phi_eq_does_not_vanish() -> None:
+    Case().with_(**EXPONENTIAL, **{"grid.cells": 20, "rheology.phi_eq_N": 2.0})

@@ -12,7 +12,13 @@ from warpgran.tables import ProfileTable, Table
 from warpgran.times import SAME_TIME
 
 MOST_TIMES = 1_000_000
+MOST_RELAXATION = 10.0
+"""2.5 cfl K dx/h_min of an exponential relaxation: docs/limits.md has what happens above."""
 _ENDS = ("grid.left", "grid.right")
+_OF_RELAXATION = (
+    "rheology.K", "rheology.phi_eq", "rheology.phi_eq_N", "rheology.grain_diameter", "scheme.cfl", "scheme.h_min",
+    "grid.cells", *_ENDS,
+)  # fmt: skip
 
 
 def cross_problems(
@@ -22,6 +28,9 @@ def cross_problems(
     if rheology.mu2 < rheology.mu1:
         allowed = f">= rheology.mu1, which is {rheology.mu1}"
         yield _out_of_range("rheology.mu2", rheology.mu2, allowed, "rheology.mu1")
+    if scheme.xi[1] > scheme.xi[0]:
+        message = f"{list(scheme.xi)} diffuses momentum faster than mass, which makes velocities out of nothing"
+        yield Problem("scheme.xi", f"{message}; allowed: three numbers >= 0, the second <= the first")
     if (scheme.left == "periodic") != (scheme.right == "periodic"):
         yield _half_periodic(scheme)
     yield from _time_problems(time)
@@ -36,6 +45,7 @@ def cross_problems(
     else:
         yield from _profile_problems(column, column.profile, grid)
     yield from _layer_problems(column, scheme)
+    yield from _relaxation_problems(rheology, grid, scheme)
 
 
 def _out_of_range(key: str, value: Any, allowed: str, *involves: str) -> Problem:
@@ -114,6 +124,19 @@ def _layer_problems(column: Column, scheme: Scheme) -> Iterator[Problem]:
     if scheme.h_bed >= height:
         allowed = f">= 0 and < the column's height, which is {height}, in m"
         yield _out_of_range("scheme.h_bed", scheme.h_bed, allowed, "column.height", "column.profile")
+
+
+def _relaxation_problems(rheology: Rheology, grid: Grid, scheme: Scheme) -> Iterator[Problem]:
+    """The exponential relaxation lets phi fall to nothing in a step where phi_eq vanishes in fast flow."""
+    vanishes = rheology.phi_eq != "f2" or rheology.phi_eq_N > 2.0
+    h_min = rheology.grain_diameter if scheme.h_min is None else scheme.h_min
+    exponent = 2.5 * scheme.cfl * rheology.K * grid.dx / h_min  # of (3.18) over phi, at the longest step
+    if scheme.relaxation == "exponential" and vanishes and exponent > MOST_RELAXATION:
+        message = (
+            f'"exponential" takes phi to nothing in one step of a thin cell: 2.5 cfl K dx/h_min is {exponent:.3g}; '
+            f'allowed: <= {MOST_RELAXATION:g} with {rheology.phi_eq}; take "rational", or smaller cells'
+        )
+        yield Problem("scheme.relaxation", message, _OF_RELAXATION)
 
 
 def _overlap(table: Table, grid: Grid) -> bool:

@@ -233,7 +233,9 @@ class Scheme(Model):
     cfl: StrictFloat = _key(0.45, "> 0 and <= 0.5", gt=0, le=0.5)
     relaxation: Literal["rational", "exponential"] = _key("rational", '"rational" or "exponential"')
     viscosity: Literal["bounded", "paper"] = _key("bounded", '"bounded" or "paper"')
-    xi: tuple[NotNegative, NotNegative, NotNegative] = _key((2.0, 2.0, 5.0), "three numbers >= 0")
+    xi: tuple[NotNegative, NotNegative, NotNegative] = _key(
+        (2.0, 2.0, 5.0), "three numbers >= 0, the second <= the first"
+    )
     h_min: Positive | None = _key(None, "> 0, in m")
     h_bed: StrictFloat = _key(0.0, ">= 0, in m", ge=0)
     h_front: StrictFloat = _key(1e-3, "> 0, in m", gt=0)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warpgran.case import Case
+from warpgran.case import Case, CaseError, Problem
 from warpgran.device import free_memory_of
 from warpgran.kernels.build import build
 from warpgran.kernels.precision import Variant, precision
@@ -28,14 +28,24 @@ many on a GPU."""
 MOST_STEPS = 20_000
 """Steps between two returns, since the steps of a few small runs take some 20 microseconds at least on a GPU."""
 
+SINGLE_ALPHA = 5.0
+"""Largest alpha in float32: above 6 phi^alpha h of thin dilute cells is smaller than its smallest number."""
+
 _calls = threading.RLock()
 """Held while Warp is called. While one thread records a graph, calls of all others would be recorded in it too; replays
 alone run side by side."""
 
 
 def variant_of(case: Case, precision_name: str) -> Variant:
-    """What must be compiled in for a case."""
+    """What must be compiled in for a case.
+
+    Raises:
+        CaseError: The precision cannot hold its numbers.
+    """
     r, scheme = case.rheology, case.scheme
+    if precision_name == "float32" and scheme.alpha > SINGLE_ALPHA:
+        message = f"{scheme.alpha} is out of range in float32; allowed: > 1 and <= {SINGLE_ALPHA:g}, or float64"
+        raise CaseError([Problem("scheme.alpha", message)])
     return Variant(
         precision=precision_name,
         alpha_two=scheme.alpha == 2.0,
