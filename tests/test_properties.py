@@ -27,8 +27,9 @@ def drawn_at(point: Sequence[float], scale: float, precision: str) -> Case:
     case = case_at(point, scale, precision)
     changes: dict[str, Any] = {"scheme.lambda": 0.0, "scheme.relaxation": "rational"}
     if case.scheme.alpha != 2.0:
-        walls = dict.fromkeys(("scheme.left", "scheme.right"), "wall")
-        changes |= {"rheology.phi_eq": "f2", "rheology.phi_eq_N": 1.0, **walls}
+        changes |= dict.fromkeys(("scheme.left", "scheme.right"), "wall")
+    if case.scheme.alpha != 2.0 or case.scheme.periodic:
+        changes |= {"rheology.phi_eq": "f2", "rheology.phi_eq_N": 1.0}
     return case.with_(**changes)
 
 
