@@ -51,6 +51,7 @@ AXES = (
     Axis("rheology.grain_diameter", 1e-6, 1.0, log=True),
     Axis("rheology.K", 0.0, 100.0),
     Axis("part of K", 1e-4, 1.0, log=True),
+    Axis("incompressible", choices=(True, False, False, False, False)),
     Axis("rheology.K_tilde", 1e-3, 10.0, log=True),
     Axis("rheology.phi_stat", 0.05, 0.85),
     Axis("rheology.phi_eq", choices=("f0", "f1", "f2", "f2 with N = 1")),
@@ -102,7 +103,7 @@ def case_at(point: Sequence[float] | np.ndarray, scale: float, precision: str = 
     right = length * v["grid over column"]
     cells = round(v["grid.cells"])
     h_min = v["h_min/d"] * v["rheology.grain_diameter"]
-    K = v["rheology.K"] * v["part of K"]
+    K = 0.0 if v["incompressible"] else v["rheology.K"] * v["part of K"]
     if v["scheme.relaxation"] == "exponential":  # as far as it is accepted
         K = min(K, 0.99 * MOST_RELAXATION * h_min * cells / (2.5 * v["scheme.cfl"] * right))
     if precision == "float32":
