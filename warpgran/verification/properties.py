@@ -1,7 +1,7 @@
 """What holds of any run that validation accepts, over quasi-random points of the space of `space`.
 
-Each run ends soundly, finite, h >= 0, 0 < phi < 1; between closed ends it keeps its mass; nothing is thrown out at speeds
-that neither pressure nor gravity can give; and it does not matter what else is in its batch.
+Each run ends soundly, finite, h >= 0, 0 < phi < 1; between closed ends it keeps its mass; nothing is thrown out faster
+than pressure and gravity can; and it does not matter what else is in its batch.
 """
 
 from __future__ import annotations
