@@ -12,8 +12,8 @@ from warpgran.tables import ProfileTable, Table
 from warpgran.times import SAME_TIME
 
 MOST_TIMES = 1_000_000
-MOST_RELAXATION = 10.0
-"""2.5 cfl K dx/h_min of an exponential relaxation: docs/limits.md has what happens above."""
+MOST_RELAXATION = {"f0": 10.0, "f1": 30.0, "f2": 30.0}
+"""2.5 cfl K dx/h_min of an exponential relaxation, by phi_eq: docs/limits.md has what happens above."""
 _ENDS = ("grid.left", "grid.right")
 _OF_RELAXATION = (
     "rheology.K", "rheology.phi_eq", "rheology.phi_eq_N", "rheology.grain_diameter", "scheme.cfl", "scheme.h_min",
@@ -131,10 +131,11 @@ def _relaxation_problems(rheology: Rheology, grid: Grid, scheme: Scheme) -> Iter
     vanishes = rheology.phi_eq != "f2" or rheology.phi_eq_N > 2.0
     h_min = rheology.grain_diameter if scheme.h_min is None else scheme.h_min
     exponent = 2.5 * scheme.cfl * rheology.K * grid.dx / h_min  # of (3.18) over phi, at the longest step
-    if scheme.relaxation == "exponential" and vanishes and exponent > MOST_RELAXATION:
+    most = MOST_RELAXATION[rheology.phi_eq]
+    if scheme.relaxation == "exponential" and vanishes and exponent > most:
         message = (
             f'"exponential" takes phi to nothing in one step of a thin cell: 2.5 cfl K dx/h_min is {exponent:.3g}; '
-            f'allowed: <= {MOST_RELAXATION:g} with {rheology.phi_eq}; take "rational", or smaller cells'
+            f'allowed: <= {most:g} with {rheology.phi_eq}; take "rational", or smaller cells'
         )
         yield Problem("scheme.relaxation", message, _OF_RELAXATION)
 

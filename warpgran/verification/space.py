@@ -105,7 +105,8 @@ def case_at(point: Sequence[float] | np.ndarray, scale: float, precision: str = 
     h_min = v["h_min/d"] * v["rheology.grain_diameter"]
     K = 0.0 if v["incompressible"] else v["rheology.K"] * v["part of K"]
     if v["scheme.relaxation"] == "exponential":  # as far as it is accepted
-        K = min(K, 0.99 * MOST_RELAXATION * h_min * cells / (2.5 * v["scheme.cfl"] * right))
+        most = 0.99 * MOST_RELAXATION[v["rheology.phi_eq"][:2]]
+        K = min(K, most * h_min * cells / (2.5 * v["scheme.cfl"] * right))
     if precision == "float32":
         changes["scheme.alpha"] = min(changes["scheme.alpha"], SINGLE_ALPHA)
     end = math.sqrt(3.0 * scale / 9.81)
