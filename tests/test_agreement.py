@@ -52,6 +52,25 @@ def test_whole_collapse_agrees_with_numpy(collapse: Case, device: str) -> None:
         assert kernels.scalars[name] == pytest.approx(value, rel=1e-10), name
 
 
+@pytest.mark.parametrize("engine", EVERY_ENGINE)
+def test_starts_with_the_velocity_of_the_profile(engine: str) -> None:
+    x = np.linspace(0.0, 0.4, 9)
+    profile = {"x": x, "h": 0.1 - 0.2 * x, "v": 2.0 * x - 0.1}
+    case = small(**{"column.profile": profile, "time.series": [0.0]})
+    done = ran(engine, case, [0.0, 0.01])
+    wet = done.h[0] > 0.0
+    assert np.abs(done.v[0] - np.where(wet, case.initial_velocity(), 0.0)).max() <= 1e-15
+    assert done.v[0].max() > 0.5 and done.v[0].min() < 0.0
+
+
+def test_a_moving_start_agrees_with_numpy(device: str) -> None:
+    x = np.linspace(0.0, 0.4, 9)
+    case = small(**{"column.profile": {"x": x, "h": 0.1 - 0.2 * x, "v": 2.0 * x - 0.1}})
+    kernels, reference = (ran(engine, case) for engine in (device, "numpy"))
+    assert kernels.steps == reference.steps
+    assert differences(case, recorded(kernels), recorded(reference)).max() <= 1e-11
+
+
 def test_float32_agrees_with_float64(collapse: Case, device: str) -> None:
     single, double = (ran(device, collapse, [0.3], precision) for precision in ("float32", "float64"))
     assert 0.0 < differences(collapse, recorded(single), recorded(double)).max() <= 1e-4

@@ -167,3 +167,10 @@ def test_profile_is_linear_zero_outside_and_at_least_h_bed() -> None:
 
 def test_a_profile_goes_with_the_columns_phi() -> None:
     assert Case().with_(**{"column.profile": PROFILE, "column.phi": 0.5}).initial_state()[1][0] == 0.5
+
+
+def test_velocity_is_linear_and_zero_outside() -> None:
+    assert Case().initial_velocity().tolist() == [0.0] * 1800
+    profile = {"x": [0.375, 0.875], "h": [0.2, 0.4], "v": [1.0, -2.0]}
+    case = small(**{"column.start": None, "column.length": None, "column.profile": profile})
+    assert case.initial_velocity().tolist() == [0.0, 1.0, -0.5, -2.0, 0.0, 0.0, 0.0, 0.0]

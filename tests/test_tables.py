@@ -27,6 +27,18 @@ def test_profile_with_and_without_phi(tmp_path: Path) -> None:
     assert full.phi is not None
     assert full.phi.tolist() == [0.5, 0.6]
     assert full.h.tolist() == [0.0, 2.0]
+    assert full.v is None
+
+
+def test_profile_with_velocity_of_either_sign(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("x,v,h\n0,-1.5,0\n1,2,2\n")
+    profile = read_profile("a.csv", tmp_path)
+    assert profile.v is not None
+    assert profile.v.tolist() == [-1.5, 2.0]
+    assert profile.phi is None
+    (tmp_path / "b.csv").write_text("x,v,h\n0,inf,0\n1,2,2\n")
+    with pytest.raises(TableError, match=r"b\.csv:2: v = inf is not a finite number"):
+        read_profile("b.csv", tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -64,7 +76,7 @@ def test_bad_bed_names_file_and_line(tmp_path: Path, text: str, line: int | None
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
-        ("x,b\n0,0\n1,1\n", 1, "allowed: x,h or x,h,phi"),
+        ("x,b\n0,0\n1,1\n", 1, "allowed: x,h and optionally phi,v, in any order"),
         ("x,h\n0,1\n1,-0.1\n", 3, "h = -0.1 is out of range; allowed: >= 0, in m"),
         ("x,h,phi\n0,1,0\n1,1,0.5\n", 2, "phi = 0.0 is out of range; allowed: > 0 and < 1"),
         ("x,h,phi\n0,1,0.5\n1,1,1\n", 3, "phi = 1.0 is out of range"),

@@ -213,13 +213,20 @@ class Case(Model):
     def initial_state(self) -> tuple[Array, Array]:
         """Thickness h, m, and solid volume fraction phi at the cell centres at time 0, each of shape (cells,).
 
-        The mass is at rest. Outside the column h is `scheme.h_bed` and phi goes on.
+        Outside the column h is `scheme.h_bed` and phi goes on.
         """
         profile = self.column.profile
         h = np.maximum(self.column.thickness_on(self.grid), self.scheme.h_bed)
         if profile is None or profile.phi is None:
             return h, np.full(self.grid.cells, self.column.phi)
         return h, np.interp(self.x, profile.x, profile.phi)
+
+    def initial_velocity(self) -> Array:
+        """Velocity at the cell centres at time 0, m/s, shape (cells,); 0 but for a profile with a column v."""
+        profile = self.column.profile
+        if profile is None or profile.v is None:
+            return np.zeros(self.grid.cells)
+        return np.interp(self.x, profile.x, profile.v, left=0.0, right=0.0)
 
     @property
     def snapshot_times(self) -> tuple[float, ...]:

@@ -257,7 +257,7 @@ class Reference:
     def __init__(self, case: Case) -> None:
         self.case = case
         h, phi = case.initial_state()
-        self.U: Array = np.stack((phi * h, np.zeros_like(h), phi**case.scheme.alpha * h))
+        self.U: Array = np.stack((phi * h, phi * h * case.initial_velocity(), phi**case.scheme.alpha * h))
         self.t = 0.0
         self.steps = 0
         self.dbhat = case.dbhat

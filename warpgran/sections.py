@@ -143,14 +143,14 @@ class Slope(Model):
 
 
 class Column(Model):
-    """The grains at rest before the collapse.
+    """The grains at time 0, at rest but for a profile with a velocity.
 
     Attributes:
         height: m.
         length: m.
         phi: Solid volume fraction.
         start: Left end, m; None for the left end of the grid.
-        profile: Thickness and optionally solid volume fraction over x, instead of a rectangle.
+        profile: Thickness and optionally solid volume fraction and velocity over x, instead of a rectangle.
     """
 
     height: StrictFloat = _key(0.14, "> 0, in m", gt=0)

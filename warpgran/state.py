@@ -94,13 +94,14 @@ class State:
         """Put runs at their initial state, as many as there is room for or fewer; the rest of the room is idle."""
         room = self.runs - len(cases)
         self.cells = [case.grid.cells for case in cases] + [0] * room
-        U0, U2, phi, bhat, dbhat = (np.zeros(self.size) for _ in range(5))
+        U0, U1, U2, phi, bhat, dbhat = (np.zeros(self.size) for _ in range(6))
         lo, hi = np.zeros(self.runs, dtype=np.int32), np.zeros(self.runs, dtype=np.int32)
         params = np.zeros(self.runs, dtype=self.precision.RunParams.numpy_dtype())
         for r, case in enumerate(cases):
             cells = slice(self.row(r), self.row(r) + case.grid.cells)
             h, phi_0 = case.initial_state()
             U0[cells] = phi_0 * h
+            U1[cells] = phi_0 * h * case.initial_velocity()
             U2[cells] = phi_0**case.scheme.alpha * h
             # Cells outside the window are read by their neighbours within: they must look dry.
             phi[self.row(r) - MARGIN : self.row(r) + self.padded] = case.rheology.phi_stat
@@ -115,6 +116,7 @@ class State:
         self._slab.zero_()
         for array, values in (
             (self.U[0], U0),
+            (self.U[1], U1),
             (self.U[2], U2),
             (self.phi, phi),
             (self.bhat, bhat),

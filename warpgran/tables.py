@@ -89,10 +89,12 @@ class ProfileTable(Table):
     Attributes:
         h: Thickness, m, shape (rows,), >= 0 and somewhere > 0.
         phi: Solid volume fraction, shape (rows,), between 0 and 1; None if the table has none.
+        v: Velocity, m/s, shape (rows,); None if the table has none: at rest.
     """
 
     h: Array
     phi: Array | None = None
+    v: Array | None = None
 
 
 Source = str | os.PathLike[str] | Mapping[str, Any]
@@ -112,7 +114,7 @@ def read_bed(source: Source, folder: str | os.PathLike[str] = ".") -> BedTable:
 
 
 def read_profile(source: Source, folder: str | os.PathLike[str] = ".") -> ProfileTable:
-    """Read an initial profile: columns x and h, in m, and optionally phi.
+    """Read an initial profile: columns x and h, in m, and optionally phi and v, in m/s.
 
     Args:
         source: A CSV file, or a mapping of names to sequences of numbers.
@@ -121,7 +123,7 @@ def read_profile(source: Source, folder: str | os.PathLike[str] = ".") -> Profil
     Raises:
         TableError: With all that is wrong.
     """
-    return ProfileTable(**_read(source, folder, ("x", "h"), ("phi",)))
+    return ProfileTable(**_read(source, folder, ("x", "h"), ("phi", "v")))
 
 
 def _read(
@@ -141,7 +143,7 @@ def _read(
 
 def _check_names(names: Sequence[str], needed: tuple[str, ...], optional: tuple[str, ...], place: str) -> None:
     if len(set(names)) != len(names) or not set(needed) <= set(names) <= {*needed, *optional}:
-        allowed = ",".join(needed) + "".join(f" or {','.join(needed)},{name}" for name in optional)
+        allowed = ",".join(needed) + (f" and optionally {','.join(optional)}" if optional else "")
         found = ",".join(names)
         raise TableError([f'{place}: the columns are "{found[:60]}"; allowed: {allowed}, in any order'])
 
