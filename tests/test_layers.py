@@ -30,6 +30,7 @@ LAYERS = [
     {"drawing"},
     {"figures", "animation", "batch_figures"},
     {"verification", "paper"},  # packages, each a layer as a whole
+    {"verify"},
     {"__init__", "cli"},
 ]
 # The ways up, and only when called: Case.sweep, a shorthand for warpgran.sweep.sweep that needs no import, and

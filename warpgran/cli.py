@@ -6,11 +6,13 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import partial
+from functools import partial, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
+
+from warpgran.verify import verify
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -227,12 +229,26 @@ def _errors() -> Iterator[None]:
 
     try:
         yield
-    except (CaseError, StorageError, ValueError, OSError, MemoryError) as error:
+    except (CaseError, StorageError, ValueError, OSError, MemoryError, ModuleNotFoundError) as error:
         if _debug:
             raise
         for line in str(error).splitlines():
             typer.echo(f"warpgran: {line}", err=True)
         raise typer.Exit(2) from None
+
+
+def _guarded(command: Callable[..., None]) -> Callable[..., None]:
+    """A command from a module of its own, its errors told as those of the commands here."""
+
+    @wraps(command)
+    def guarded(*args: Any, **kwargs: Any) -> None:
+        with _errors():
+            command(*args, **kwargs)
+
+    return guarded
+
+
+app.command()(_guarded(verify))
 
 
 @contextmanager

@@ -61,14 +61,23 @@ class Page:
         Raises:
             ModuleNotFoundError: jinja2 is not installed; the message says how to get it.
         """
-        try:
-            import jinja2
-        except ModuleNotFoundError:
-            raise ModuleNotFoundError('HTML pages need jinja2: pip install "warpgran[reports]"') from None
-        loader = jinja2.PackageLoader("warpgran", package_path="")
-        environment = jinja2.Environment(
-            loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-        )
-        html = environment.get_template("page.html").render(title=self.title, blocks=self.blocks)
+        html = template().render(title=self.title, blocks=self.blocks)
         with replacing(path) as part:
             part.write_text(html, encoding="utf-8")
+
+
+def template() -> Any:
+    """What a page is rendered with.
+
+    Raises:
+        ModuleNotFoundError: jinja2 is not installed; the message says how to get it.
+    """
+    try:
+        import jinja2
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError('HTML pages need jinja2: pip install "warpgran[reports]"') from None
+    loader = jinja2.PackageLoader("warpgran", package_path="")
+    environment = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.get_template("page.html")

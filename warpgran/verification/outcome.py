@@ -1,4 +1,4 @@
-"""What a verification case hands over: rows of the table, figures, and words."""
+"""What a verification case is given, and what it hands over: rows of the table, figures, and words."""
 
 from __future__ import annotations
 
@@ -6,6 +6,27 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from matplotlib.figure import Figure
+
+from warpgran.simulation import Precision
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How the cases are computed.
+
+    Attributes:
+        device: "cpu", "cuda" or "cuda:N".
+        precision: "float64" or "float32".
+        grids: How many a study of accuracy goes through, each of half the cells of the one before; at least 2.
+    """
+
+    device: str = "cpu"
+    precision: Precision = "float64"
+    grids: int = 6
+
+    def cells(self, coarsest: int) -> tuple[int, ...]:
+        """Cells of each grid."""
+        return tuple(coarsest * 2**k for k in range(self.grids))
 
 
 @dataclass(frozen=True)
@@ -19,6 +40,7 @@ class Row:
         bound: What it must hold to, in words and numbers; "reported" if nothing is asked.
         holds: Whether it does; None if it is only reported.
         order: Observed order of accuracy, NaN where there is none.
+        errors: On every grid: cells, and the error in `unit`; empty where there is one grid.
     """
 
     compared: str
@@ -27,6 +49,7 @@ class Row:
     bound: str
     holds: bool | None
     order: float = float("nan")
+    errors: tuple[tuple[int, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -53,5 +76,10 @@ class Outcome:
         return all(row.holds is not False for row in self.rows)
 
 
-Check = Callable[[], Outcome]
+def paragraphs(text: str) -> tuple[str, ...]:
+    """Paragraphs of a text, which empty lines part."""
+    return tuple(" ".join(part.split()) for part in text.strip().split("\n\n"))
+
+
+Check = Callable[[Setting], Outcome]
 """A case of the collection: computes, compares, and hands over what came of it."""

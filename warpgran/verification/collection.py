@@ -1,0 +1,63 @@
+"""The cases by name, and what runs them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+
+from warpgran.verification import cap, dams, jumps, manufactured, rest, uniform
+from warpgran.verification.outcome import Check, Outcome, Row, Setting
+from warpgran.verification.plots import style
+
+CASES: dict[str, Check] = {
+    "rest": rest.at_rest,
+    "ritter": dams.ritter,
+    "stoker": dams.stoker,
+    "sliding": dams.sliding,
+    "braked": dams.braked,
+    "cap": cap.cap,
+    "uniform": uniform.steady,
+    "relaxation": uniform.relaxation,
+    "manufactured": manufactured.manufactured,
+    "riemann": jumps.riemann,
+}
+DEEP: dict[str, Check] = {}
+"""Those that take longer: asked for by --deep or by their name."""
+
+
+def chosen(names: Sequence[str], deep: bool = False) -> dict[str, Check]:
+    """Cases by name, in the order of the collection: those named, or all; the long ones with `deep`.
+
+    Raises:
+        ValueError: A name is not one of a case.
+    """
+    known = CASES | DEEP
+    for name in names:
+        if name not in known:
+            near = get_close_matches(name.lower(), known, n=1)
+            hint = f"did you mean {near[0]}? " if near else ""
+            raise ValueError(f"{name!r} is not a case; {hint}allowed: {', '.join(known)}")
+    wanted = set(names) | (set(DEEP) if deep else set()) if names else set(known if deep else CASES)
+    return {name: check for name, check in known.items() if name in wanted}
+
+
+def run(
+    checks: Mapping[str, Check], setting: Setting, begun: Callable[[str], None] = lambda name: None
+) -> dict[str, Outcome]:
+    """Compute cases, one after another. One that cannot be computed is one that does not hold.
+
+    Args:
+        checks: By name.
+        setting: How.
+        begun: Told the name of each as it begins.
+    """
+    outcomes = {}
+    for name, check in checks.items():
+        begun(name)
+        try:
+            with style():
+                outcomes[name] = check(setting)
+        except RuntimeError as error:  # a run that did not reach its end
+            row = Row("the computation itself", float("nan"), "-", "it ends", False)
+            outcomes[name] = Outcome(name, (str(error),), (row,))
+    return outcomes

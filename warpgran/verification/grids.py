@@ -1,0 +1,184 @@
+"""A flow computed on finer and finer grids, and its distance from the exact one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpgran.case import Case
+from warpgran.exact import Flow
+from warpgran.simulation import simulate
+from warpgran.verification.outcome import Row, Setting
+
+Array = np.ndarray
+Fields = tuple[Array, Array, Array]
+Exact = Callable[[Array, float], Fields]
+"""h [m], v [m/s], phi at places x [m] and a time t [s]."""
+
+POINTS = 16
+"""Places in a cell over which an exact solution is averaged."""
+
+G = Case().slope.gravity
+"""m/s2."""
+PHI = 0.6
+"""Where it plays no part."""
+
+
+def coulomb(mu: float) -> dict[str, Any]:
+    """Friction of a constant coefficient, and no dilatancy."""
+    return {"rheology.mu1": mu, "rheology.mu2": mu, "rheology.K": 0.0}
+
+
+def of_constant_phi(flow: Callable[[Array, float], Flow]) -> Exact:
+    """An exact flow with the volume fraction PHI."""
+    return lambda x, t: (*flow(x, t), np.full(x.shape, PHI))
+
+
+def starting_from(h: Array, v: Array | float, phi: Array | float, left: float, right: float, **changes: Any) -> Case:
+    """A case whose state at the cell centres at time 0 is this.
+
+    Args:
+        h: Thickness, m, shape (cells,).
+        v: Velocity, m/s.
+        phi: Solid volume fraction.
+        left: End of the grid, m.
+        right: The other end, m.
+        changes: Other values by dotted key.
+    """
+    x = left + (right - left) / h.size * (np.arange(h.size) + 0.5)
+    profile = {"x": x, "h": h, "v": np.broadcast_to(v, h.shape), "phi": np.broadcast_to(phi, h.shape)}
+    return Case().with_(
+        **{
+            "column.profile": profile,
+            "grid.left": left,
+            "grid.right": right,
+            "grid.cells": h.size,
+            "time.series": [],
+            "scheme.left": "open",
+            "scheme.right": "open",
+            **changes,
+        }
+    )
+
+
+@dataclass(frozen=True)
+class Computed:
+    """One grid.
+
+    Attributes:
+        x: Cell centres, m.
+        h: Thickness, m, shape (times, cells).
+        v: Velocity, m/s, the same.
+        phi: Solid volume fraction, the same.
+        dx: Cell size, m.
+    """
+
+    x: Array
+    h: Array
+    v: Array
+    phi: Array
+    dx: float
+
+
+@dataclass(frozen=True)
+class Study:
+    """One problem on all grids.
+
+    Attributes:
+        exact: What it should be.
+        times: Of the comparison, s.
+        grids: Coarse to fine.
+        span: At each time, the ends of what is compared, m.
+    """
+
+    exact: Exact
+    times: tuple[float, ...]
+    grids: tuple[Computed, ...]
+    span: Callable[[float], tuple[float, float]]
+
+    def error(self, name: str, at: int, grid: Computed) -> float:
+        """Distance in L1 of "h", "h v" or "phi" from the exact cell averages, relative to the norm of those."""
+        low, high = self.span(self.times[at])
+        inside = (grid.x > low) & (grid.x < high)
+        offset = grid.dx * ((np.arange(POINTS) + 0.5) / POINTS - 0.5)
+        fields = self.exact((grid.x[inside, None] + offset).ravel(), self.times[at])
+        quantity = QUANTITIES[name]
+        exact = quantity(*fields).reshape(-1, POINTS).mean(axis=1)
+        found = quantity(grid.h[at, inside], grid.v[at, inside], grid.phi[at, inside])
+        return float(np.abs(found - exact).sum() / np.abs(exact).sum())
+
+    def row(self, name: str, at: int, least_order: float, most: float, where: str = "") -> Row:
+        """The errors of a quantity on all grids, which must fall.
+
+        Args:
+            name: "h", "h v" or "phi".
+            at: Which time.
+            least_order: Over the three finest grids.
+            most: Error of the finest.
+            where: Words on what is compared.
+        """
+        errors = tuple((grid.x.size, self.error(name, at, grid)) for grid in self.grids)
+        compared = f"{name} at t = {self.times[at]:.3g} s{where}, L1"
+        return falling(compared, "-", errors, least_order, most)
+
+
+QUANTITIES: dict[str, Callable[[Array, Array, Array], Array]] = {
+    "h": lambda h, v, phi: h,
+    "h v": lambda h, v, phi: h * v,
+    "phi": lambda h, v, phi: phi,
+}
+
+
+def observed_order(errors: Sequence[tuple[int, float]]) -> float:
+    """Order of accuracy over the three finest of (cells, error), by least squares; NaN if an error is 0."""
+    cells, values = np.array(errors[-3:]).T
+    if not values.all():
+        return float("nan")
+    return -float(np.polyfit(np.log(cells), np.log(values), 1)[0])
+
+
+def falling(compared: str, unit: str, errors: Sequence[tuple[int, float]], least_order: float, most: float) -> Row:
+    """A row for errors on finer and finer grids."""
+    order, last = observed_order(errors), float(errors[-1][1])
+    bound = f"order >= {least_order:g}, error <= {most:g}"
+    return Row(compared, last, unit, bound, bool(order >= least_order and last <= most), order, tuple(errors))
+
+
+def study(
+    setting: Setting,
+    start: Callable[[int], Case],
+    exact: Exact,
+    times: Sequence[float],
+    coarsest: int,
+    span: Callable[[float], tuple[float, float]] | None = None,
+) -> Study:
+    """Compute a problem on all grids of a setting.
+
+    Args:
+        setting: How.
+        start: The case with so many cells.
+        exact: What it should be.
+        times: Of the comparison, s, > 0.
+        coarsest: Cells of the first grid.
+        span: The ends of what is compared at a time, m; by default the grid's.
+    """
+    output = {"time.end": float(times[-1]), "time.snapshots": [float(t) for t in times]}
+    cases = [start(cells).with_(**output) for cells in setting.cells(coarsest)]
+    grids = tuple(computed(case, setting) for case in cases)
+    ends = cases[0].grid.left, cases[0].grid.right
+    return Study(exact, tuple(times), grids, span or (lambda t: ends))
+
+
+def computed(case: Case, setting: Setting) -> Computed:
+    """A case computed, at its snapshots.
+
+    Raises:
+        RuntimeError: It did not reach its end.
+    """
+    data = simulate(case, device=setting.device, precision=setting.precision).isel(run=0)
+    if not np.isfinite(data["h"].values).all():
+        raise RuntimeError(f"{case.title or 'a run'} with {case.grid.cells} cells did not reach its end")
+    return Computed(data["x"].values, data["h"].values, data["v"].values, data["phi"].values, case.dx)
