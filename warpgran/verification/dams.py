@@ -121,7 +121,7 @@ def braked(setting: Setting) -> Outcome:
                 "Dam break on a slope of 15 degrees with friction of 25 degrees while it flows and when it has stopped "
                 f"({', '.join(f'{t:.3g}' for t in times)} s), without viscosity."
             )
-            figures["braked"] = against_exact(found, mine, ("h", "v"), caption)
+            figures["braked"] = against_exact(found, mine[:-1], ("h", "v"), caption)
     x = np.linspace(-0.6 * reach, 1.4 * reach, 20001)
     right = [solution.at(x, t).h for t in times[:2]]
     naive, later = (
