@@ -281,9 +281,9 @@ EXPONENTIAL = {"scheme.relaxation": "exponential", "scheme.cfl": 0.5, "rheology.
 @pytest.mark.parametrize(
     ("law", "most", "cells"),
     [
-        ({"rheology.phi_eq": "f0"}, 10, 5500),
-        ({"rheology.phi_eq": "f1"}, 30, 1834),
-        ({"rheology.phi_eq_N": 2.1}, 30, 1834),
+        ({"rheology.phi_eq": "f0"}, 20, 2750),
+        ({"rheology.phi_eq": "f1"}, 60, 917),
+        ({"rheology.phi_eq_N": 2.1}, 60, 917),
     ],
 )
 def test_the_exponential_relaxation_has_a_longest_step(law: dict[str, Any], most: int, cells: int) -> None:

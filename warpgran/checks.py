@@ -12,7 +12,7 @@ from warpgran.tables import ProfileTable, Table
 from warpgran.times import SAME_TIME
 
 MOST_TIMES = 1_000_000
-MOST_RELAXATION = {"f0": 10.0, "f1": 30.0, "f2": 30.0}
+MOST_RELAXATION = {"f0": 20.0, "f1": 60.0, "f2": 60.0}
 """2.5 cfl K dx/h_min of an exponential relaxation, by phi_eq: docs/limits.md has what happens above."""
 _ENDS = ("grid.left", "grid.right")
 _OF_RELAXATION = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 
-from warpgran.verification import cap, dams, jumps, manufactured, rest, uniform
+from warpgran.verification import cap, columns, convergence, dams, jumps, manufactured, properties, rest, uniform
 from warpgran.verification.outcome import Check, Outcome, Row, Setting
 from warpgran.verification.plots import style
 
@@ -20,8 +20,12 @@ CASES: dict[str, Check] = {
     "relaxation": uniform.relaxation,
     "manufactured": manufactured.manufactured,
     "riemann": jumps.riemann,
+    "convergence": lambda setting: convergence.convergence(device=setting.device, precision=setting.precision),
+    "columns": lambda setting: columns.columns(device=setting.device, precision=setting.precision),
 }
-DEEP: dict[str, Check] = {}
+DEEP: dict[str, Check] = {
+    "properties": lambda setting: properties.deep(),  # on the CPU, in both precisions
+}
 """Those that take longer: asked for by --deep or by their name."""
 
 
