@@ -37,6 +37,7 @@ SHAPES = {"plain loop": (1, 1024), "32 lanes": (32, 32), "64 lanes": (64, 128), 
 """Lanes of a block and cells of a chunk: up to 13 chunks of a run, lanes with one cell, several, or none."""
 OTHER = {
     "scheme.alpha": 3.0, "scheme.lambda": 1.0, "rheology.phi_eq": "f1", "scheme.relaxation": "exponential",
+    "scheme.h_min": 2e-3,
     "scheme.viscosity": "paper", "scheme.h_bed": 1e-4, "scheme.left": "periodic", "scheme.right": "periodic",
 }  # fmt: skip
 WAYS: list[tuple[str, dict[str, Any], tuple[str, ...]]] = [
