@@ -38,13 +38,17 @@ class StorageError(Exception):
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, part: Path | None = None) -> Iterator[Path]:
     """A temporary file beside `path` that takes its place when the block ends well, and vanishes when it does not.
+
+    Args:
+        path: The file to write.
+        part: The temporary one, of a name that no other has by default. Of a killed process it is left behind.
 
     Raises:
         StorageError: The folder is missing or not writable, or `path` is a folder.
     """
-    part = path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}{path.suffix}")  # writers look at the suffix
+    part = part or path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}{path.suffix}")  # writers look at the suffix
     _check_writable(path, part)
     try:
         yield part
@@ -79,15 +83,15 @@ class PartFile:
             StorageError: It cannot be written, or another process is writing it.
         """
         self.path, self.layout = path, layout
+        self._new = path.with_name(f".{path.name}.new")  # one name: what a killed start leaves, the next writes over
         if attributes is not None:
-            _check_writable(path, path)
+            _check_writable(path, self._new)
         self._lock = _Lock(path)
         if attributes is not None:
             try:
-                with _telling(path):
-                    _create(path, layout, attributes)
+                with replacing(path, self._new), _telling(path):
+                    _create(self._new, layout, attributes)
             except StorageError:
-                path.unlink()
                 self._lock.release()
                 raise
         self._fd = os.open(path, os.O_RDWR)
@@ -128,7 +132,7 @@ class PartFile:
         Raises:
             StorageError: The disk is full, for instance. This file is still there then.
         """
-        with replacing(path) as final, _telling(path):
+        with replacing(path, self._new) as final, _telling(path):
             with reading(self.path) as source, h5py.File(final, "w") as target:
                 _compressed(source, target, self.layout, self.status)
                 target.attrs.update({**source.attrs, **attributes})
