@@ -6,6 +6,7 @@ case = wg.Case.from_toml("runs/dense_22deg.toml").with_(**{"slope.angle": 16.0})
 data = wg.simulate(case)              # an xarray.Dataset
 data = wg.open_dataset("out.h5")      # the same, from a file
 data = wg.derive(data, "psi", "mu")   # dilatancy angle and friction
+data = wg.forces(data)                # what moves and holds the mass
 """
 
 from __future__ import annotations
@@ -17,15 +18,17 @@ if TYPE_CHECKING:
     from warpgran.case import Case
     from warpgran.derived import derive
     from warpgran.errors import CaseError
+    from warpgran.forces import forces
     from warpgran.simulation import simulate
     from warpgran.storage import open_dataset
 
-__all__ = ["Case", "CaseError", "derive", "open_dataset", "simulate"]
+__all__ = ["Case", "CaseError", "derive", "forces", "open_dataset", "simulate"]
 
 _HOME = {
     "Case": "case",
     "CaseError": "errors",
     "derive": "derived",
+    "forces": "forces",
     "open_dataset": "storage",
     "simulate": "simulation",
 }

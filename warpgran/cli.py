@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from warpgran.paper.command import reproduce
 from warpgran.verify import verify
 
 if TYPE_CHECKING:
@@ -249,6 +250,7 @@ def _guarded(command: Callable[..., None]) -> Callable[..., None]:
 
 
 app.command()(_guarded(verify))
+app.command()(_guarded(reproduce))
 
 
 @contextmanager

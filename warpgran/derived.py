@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-GRAVITY = 9.81  # m s-2
+GRAVITY = 9.81  # m s-2, where the result does not say what it was
 
 
 def parameter(data: xr.Dataset, key: str, default: Any = None) -> xr.DataArray:
@@ -71,6 +71,12 @@ def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
     return xr.Dataset(fields)
 
 
+def normal_gravity(data: xr.Dataset) -> xr.DataArray:
+    """Gravity normal to the plane g_c = g cos(theta) [m s-2], of each run."""
+    g: xr.DataArray = parameter(data, "slope.gravity", GRAVITY) * np.cos(np.deg2rad(parameter(data, "slope.angle")))
+    return g
+
+
 def _effective_thickness(data: xr.Dataset) -> xr.DataArray:
     """h_e = max(h, h_min) [m]: the shear rate has no meaning below one grain."""
     h_min = parameter(data, "scheme.h_min", parameter(data, "rheology.grain_diameter"))
@@ -84,8 +90,7 @@ def _shear_rate(data: xr.Dataset) -> xr.DataArray:
 
 def _inertial_number(data: xr.Dataset) -> xr.DataArray:
     """Inertial number I [-] (2.10) under the pressure (2.11) at the base; NaN where phi is not positive."""
-    g_c = GRAVITY * np.cos(np.deg2rad(parameter(data, "slope.angle")))
-    pressure = data["phi"].where(data["phi"] > 0) * g_c * _effective_thickness(data)  # over rho_s
+    pressure = data["phi"].where(data["phi"] > 0) * normal_gravity(data) * _effective_thickness(data)  # over rho_s
     return _shear_rate(data) * parameter(data, "rheology.grain_diameter") / np.sqrt(pressure)
 
 

@@ -61,6 +61,37 @@ def run_to_file(
     return outcome
 
 
+def bring_up_to_date(
+    study: Study, path: Path, options: Options, progress: Callable[[float], None] = lambda runs: None
+) -> bool:
+    """See that `path` holds a study: go on with what is there of it, and compute anew what is of another one.
+
+    A file that was computed from the same values in the same way, to its end, is left as it is.
+
+    Args:
+        study: What is to be there.
+        path: The result file.
+        options: How to compute.
+        progress: Told now and then how many runs are done.
+
+    Returns:
+        Whether it is all there now; False after Ctrl-C, with what was computed kept.
+
+    Raises:
+        StorageError: The file cannot be written.
+    """
+    layout = Layout(study)
+    facts = layout.attributes(**attributes(options, Outcome()))
+    for found in (path, part_of(path)):
+        if found.exists() and _differences(found, layout, facts) != []:
+            found.unlink()
+    if path.exists() and not part_of(path).exists():
+        with reading(path) as file:
+            if not pending(file["status"][:]).any():
+                return True
+    return not run_to_file(study, path, options, resume=True, progress=progress).interrupted
+
+
 def _open(layout: Layout, path: Path, facts: dict[str, Any], resume: bool) -> PartFile:
     part = part_of(path)
     if part.exists():
@@ -97,6 +128,15 @@ def _check_same(path: Path, layout: Layout, facts: dict[str, Any]) -> None:
     Raises:
         StorageError: It is not; the message says what differs.
     """
+    differs = _differences(path, layout, facts)
+    if differs is None:
+        raise StorageError(f"cannot go on with {path}: it is not a warpgran result")
+    if differs:
+        raise StorageError(f"cannot go on with {path}: it differs in {', '.join(differs)}")
+
+
+def _differences(path: Path, layout: Layout, facts: dict[str, Any]) -> list[str] | None:
+    """In what a file is of another study, or computed in another way; None if it is no result at all."""
     try:
         with reading(path) as file:
             there = dict(file.attrs)
@@ -104,7 +144,7 @@ def _check_same(path: Path, layout: Layout, facts: dict[str, Any]) -> None:
                        else file[PARAMETERS][key][:] for key in file[PARAMETERS]}  # fmt: skip
             runs = file["run"][:]
     except (OSError, KeyError):
-        raise StorageError(f"cannot go on with {path}: it is not a warpgran result") from None
+        return None
     how = ("precision", "engine", "warpgran_version", "warp_version")
     differs = [
         f"{name} ({there.get(name)} there, {facts[name]} here)" for name in how if there.get(name) != facts[name]
@@ -117,8 +157,7 @@ def _check_same(path: Path, layout: Layout, facts: dict[str, Any]) -> None:
     differs += [key for key in sorted({*columns, *here}) if not _equal(columns.get(key), here.get(key))]
     if not np.array_equal(runs, layout.runs):
         differs.append(f"the number of runs ({runs.size} there, {layout.runs.size} here)")
-    if differs:
-        raise StorageError(f"cannot go on with {path}: it differs in {', '.join(dict.fromkeys(differs))}")
+    return list(dict.fromkeys(differs))
 
 
 def _differing_keys(there: str, here: str, swept: set[str]) -> list[str]:

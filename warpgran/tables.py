@@ -134,7 +134,7 @@ def _read(
         path = None
     else:
         path = os.fspath(source)
-        columns, places = _from_csv(Path(folder) / path, needed, optional)
+        columns, places = read_columns(Path(folder) / path, needed, optional)
     messages = _faults(columns, places, "table" if path is None else str(Path(folder) / path))
     if messages:
         raise TableError(messages)
@@ -170,7 +170,14 @@ def _from_mapping(
     return columns, [f"table: row {i + 1}" for i in range(columns["x"].size)]
 
 
-def _from_csv(path: Path, needed: tuple[str, ...], optional: tuple[str, ...]) -> tuple[dict[str, Array], list[str]]:
+def read_columns(
+    path: Path, needed: tuple[str, ...], optional: tuple[str, ...] = ()
+) -> tuple[dict[str, Array], list[str]]:
+    """The columns of a CSV file of numbers, and the place of each row as FILE:LINE.
+
+    Raises:
+        TableError: With all that is wrong with the file; what the numbers must be is the caller's to say.
+    """
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:

@@ -1,1 +1,1 @@
-"""`warpgran reproduce`: the figures and claims of the paper, from the run files in runs/paper/."""
+"""`warpgran reproduce`: the figures and claims of the paper, computed anew."""

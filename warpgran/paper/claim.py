@@ -1,0 +1,77 @@
+"""A statement of the paper, and what our results say to it."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from warpgran.paper.results import NotComputedError, Results
+
+WORDS = {True: "holds", False: "does not hold", None: "cannot be told"}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What came of a claim.
+
+    Attributes:
+        value: Our numbers, in words.
+        holds: Whether the statement holds; None if it cannot be told.
+    """
+
+    value: str
+    holds: bool | None
+
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        return WORDS[self.holds]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement of the paper.
+
+    Attributes:
+        name: Short, for tables.
+        place: Section and figures of the paper.
+        figures: Names of ours that show it.
+        says: The statement, in our words.
+        paper: The paper's number, "" where it gives none.
+        how: What is measured, and when the statement is taken to hold.
+        judge: Measures it.
+    """
+
+    name: str
+    place: str
+    figures: tuple[str, ...]
+    says: str
+    paper: str
+    how: str
+    judge: Callable[[Results], Finding]
+
+    def evaluate(self, results: Results) -> Finding:
+        """What our results say; that it cannot be told where a run or an instant is not there."""
+        try:
+            return self.judge(results)
+        except NotComputedError as error:
+            return Finding(str(error), None)
+
+
+def claim(
+    place: str, figures: str, *, paper: str = "", shared: str = ""
+) -> Callable[[Callable[[Results], Finding]], Claim]:
+    """Make a claim of the function that measures it.
+
+    The function's name is the claim's, the first paragraph of its docstring the statement, the rest of it says how it
+    is judged; `shared` is said before that. For the other arguments see `Claim`.
+    """
+
+    def made(judge: Callable[[Results], Finding]) -> Claim:
+        says, _, how = inspect.cleandoc(judge.__doc__ or "").partition("\n\n")
+        name = judge.__name__.replace("_", "-")
+        words = f"{shared} {' '.join(how.split())}".strip()
+        return Claim(name, place, tuple(figures.split()), says, paper, words, judge)
+
+    return made

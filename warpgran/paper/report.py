@@ -1,0 +1,102 @@
+"""What `warpgran reproduce` writes beside the pictures: the table of claims, and the page that holds everything."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+import pandas as pd
+
+from warpgran.page import Page
+from warpgran.paper.claim import Claim, Finding
+from warpgran.paper.picture import Picture
+from warpgran.paper.remarks import REMARKS
+from warpgran.paper.settings import AS_PAPER, DEFAULTS, SETTINGS
+from warpgran.storage import replacing
+
+Judged = tuple[Claim, dict[str, Finding]]
+"""A claim and what came of it by setting."""
+
+YES_NO = {True: "yes", False: "no", None: "open"}
+
+
+def write_csv(judged: Sequence[Judged], path: Path) -> None:
+    """Write the table of claims: what each says and, for every setting, our numbers and the verdict.
+
+    Raises:
+        StorageError: The file cannot be written.
+    """
+    rows = []
+    for claim, found in judged:
+        row = {"claim": claim.name, "place": claim.place, "statement": claim.says, "paper": claim.paper}
+        for name, finding in found.items():
+            row |= {name: finding.value, f"{name}_verdict": finding.verdict}
+        rows.append(row | {"how": claim.how, "remark": REMARKS.get(claim.name, "")})
+    with replacing(path) as part:
+        pd.DataFrame(rows).to_csv(part, index=False, lineterminator="\n", encoding="utf-8")
+
+
+def counted(judged: Sequence[Judged]) -> list[str]:
+    """How many claims hold, in words: a line for our defaults and one for the paper's own form."""
+    words = []
+    for setting in (DEFAULTS, AS_PAPER):
+        verdicts = [found[setting.name].holds for _, found in judged]
+        finer = [found[f"{setting.name}_2x"].holds for _, found in judged]
+        changed = sum(a is not b for a, b in zip(verdicts, finer, strict=True))
+        words.append(
+            f"{setting.words}: {verdicts.count(True)} claims hold, {verdicts.count(False)} do not, "
+            f"{verdicts.count(None)} cannot be told; twice the cells change {changed} verdicts"
+        )
+    return words
+
+
+def put_claims(page: Page, judged: Sequence[Judged]) -> None:
+    """The table of all claims, under the two settings that count, and where another one changes the verdict."""
+    page.heading("Claims", "claims")
+    page.paragraph(
+        "What the paper states, and whether it is so here. Each claim is judged with our defaults and as the paper has "
+        "it, with the run files' cells and with twice as many, and with phi_stat = 0.585; how, the figures "
+        "and claims.csv say. A claim that does not hold is a result, not a failure."
+    )
+    for line in counted(judged):
+        page.paragraph(f"{line[0].upper()}{line[1:]}.")
+    names = ["place", "the paper says", "its number", "defaults", "holds", "as the paper has it", "holds so"]
+    rows = []
+    for claim, found in judged:
+        two = (found[DEFAULTS.name], found[AS_PAPER.name])
+        numbers = [text for finding in two for text in (finding.value, YES_NO[finding.holds])]
+        rows.append([claim.place, claim.says, claim.paper, *numbers, _elsewhere(found), REMARKS.get(claim.name, "")])
+    page.table([*names, "other settings", "remark"], rows, verdict="holds")
+
+
+def _elsewhere(found: dict[str, Finding]) -> str:
+    """The settings whose verdict differs from that of the one that they refine or change."""
+    words = []
+    for setting in SETTINGS[2:]:
+        other, base = found[setting.name], found[(AS_PAPER if setting.as_paper else DEFAULTS).name]
+        if other.holds is not base.holds:
+            words.append(f"{setting.name}: {other.verdict} ({other.value})")
+    return "; ".join(words) or "the same verdicts"
+
+
+def put_picture(page: Page, picture: Picture, path: Path, judged: Sequence[Judged]) -> None:
+    """A figure, and the claims that it shows."""
+    number = int(picture.name.removeprefix("fig"))
+    page.heading(f"Fig. {number}: {picture.title.removesuffix('.')}", picture.name)
+    page.picture(path, picture.caption)
+    shown = [(claim, found[DEFAULTS.name]) for claim, found in judged if picture.name in claim.figures]
+    if shown:
+        rows = [[claim.says, finding.value, YES_NO[finding.holds], claim.how] for claim, finding in shown]
+        page.table(["the paper says", "defaults", "holds", "how it is judged"], rows, verdict="holds")
+
+
+def put_sources(page: Page, runs: Path, how: str) -> None:
+    """Settings, versions and run files."""
+    page.heading("How it was computed", "how")
+    page.table(["setting", "what it is"], [[setting.name, setting.words] for setting in SETTINGS])
+    versions = ", ".join(f"{name} {version(name)}" for name in ("warpgran", "warp-lang", "numpy"))
+    page.paragraph(f"{versions}; {how}.")
+    for file in sorted(runs.glob("*.toml")):
+        page.paragraph(file.name)
+        page.preformatted(file.read_text(encoding="utf-8"))

@@ -1,0 +1,57 @@
+"""The ways in which the run files of the paper are computed: our defaults, the paper's own form, and finer cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from warpgran.case import Case
+
+PRECURSOR = 1e-5  # m, of the layer that the paper's viscosity needs
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How the cases of a run file are changed.
+
+    Attributes:
+        name: Of its column in claims.csv, and of its folder.
+        words: What it is.
+        changes: Values by dotted key.
+        as_paper: With the paper's viscosity (3.20) over a precursor layer.
+        refinement: How many times the cells of the run file.
+    """
+
+    name: str
+    words: str
+    changes: dict[str, Any] = field(default_factory=dict)
+    as_paper: bool = False
+    refinement: int = 1
+
+    def apply(self, case: Case) -> Case:
+        """The case, changed.
+
+        Without dilatancy (K = 0) the paper's viscosity moves phi out of (0, 1] in the second step wherever its third
+        coefficient differs from the first, while phi is to stay as it was. With one coefficient for both it is our
+        bounded form: that is what such a case gets.
+        """
+        changes = dict(self.changes)
+        if self.as_paper:
+            changes["scheme.h_bed"] = PRECURSOR
+            changes["scheme.viscosity"] = "paper" if case.rheology.K > 0 else "bounded"
+        if self.refinement > 1:
+            changes["grid.cells"] = self.refinement * case.grid.cells
+        return case.with_(**changes) if changes else case
+
+
+DEFAULTS = Setting("defaults", "the defaults: bounded viscosity, dry bed")
+AS_PAPER = Setting(
+    "paper_form", "as the paper has it: its viscosity (3.20), a precursor layer of 0.01 mm", as_paper=True
+)
+SETTINGS = (
+    DEFAULTS,
+    AS_PAPER,
+    Setting("defaults_2x", "the defaults with twice the cells", refinement=2),
+    Setting("paper_form_2x", "as the paper has it, with twice the cells", as_paper=True, refinement=2),
+    Setting("phi_stat_585", "the defaults with phi_stat = 0.585, as section 4.1 says", {"rheology.phi_stat": 0.585}),
+)
