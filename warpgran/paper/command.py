@@ -22,7 +22,8 @@ def reproduce(
         Path | None, typer.Option("--runs", metavar="FOLDER", help="Run files to use instead of those that ship.")
     ] = None,
     setting: Annotated[
-        Literal["defaults", "paper_form"], typer.Option(help="What is drawn: our defaults, or the paper's own form.")
+        Literal["defaults", "paper_form", "defaults_2x", "defaults_4x", "paper_form_2x", "phi_stat_585"],
+        typer.Option(help="What is drawn: the defaults, the paper's own form, finer cells."),
     ] = "defaults",
     claims: Annotated[bool, typer.Option("--claims/--no-claims", help="Judge what the paper states.")] = True,
     set_: Annotated[
@@ -36,7 +37,7 @@ def reproduce(
     from warpgran.paper.catalogue import chosen
     from warpgran.paper.laboratory import Laboratory, read_laboratory
     from warpgran.paper.reproduce import Plan, reproduce, shipped_runs
-    from warpgran.paper.settings import AS_PAPER, DEFAULTS
+    from warpgran.paper.settings import SETTINGS
     from warpgran.simulation import Options
 
     names = tuple(figures or ())
@@ -44,7 +45,7 @@ def reproduce(
     if runs is not None and not runs.is_dir():
         raise ValueError(f"runs: {runs} is not a folder of run files")
     laboratory = read_laboratory(data) if data else Laboratory()
-    drawn = AS_PAPER if setting == AS_PAPER.name else DEFAULTS
+    drawn = next(each for each in SETTINGS if each.name == setting)
     how = Options(device, precision)
     plan = Plan(runs or shipped_runs(), output, names, laboratory, how, tuple(set_ or ()), drawn, claims)
     start_quietly()

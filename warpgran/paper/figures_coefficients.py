@@ -245,7 +245,7 @@ def fig25(r: Results, lab: Laboratory) -> Figure:
     for label, (one, style) in with_walls(r, 22).items():
         draw_series(axes[0, 0], one, "front_speed", label, **style)
     lab.front_speed(axes[0, 0], 22)
-    axes[0, 0].set_ylim(-0.05, 2.0)
+    axes[0, 0].set_ylim(top=2.0)
     against_time([axes[0, 0]])
     return finish(figure, [axes[0, 0]], 2)
 

@@ -52,6 +52,7 @@ SETTINGS = (
     DEFAULTS,
     AS_PAPER,
     Setting("defaults_2x", "the defaults with twice the cells", refinement=2),
+    Setting("defaults_4x", "the defaults with four times the cells", refinement=4),
     Setting("paper_form_2x", "as the paper has it, with twice the cells", as_paper=True, refinement=2),
     Setting("phi_stat_585", "the defaults with phi_stat = 0.585, as section 4.1 says", {"rheology.phi_stat": 0.585}),
 )
