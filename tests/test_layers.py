@@ -26,7 +26,7 @@ LAYERS = [
     {"results"},
     {"storage", "simulation"},
     {"cluster", "jobs", "merging", "summary", "derived", "page"},
-    {"keys", "forces"},
+    {"keys", "momentum"},
     {"drawing"},
     {"figures", "animation", "batch_figures"},
     {"verification", "paper"},  # packages, each a layer as a whole

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from warpgran.case import Case
     from warpgran.derived import derive
     from warpgran.errors import CaseError
-    from warpgran.forces import forces
+    from warpgran.momentum import forces
     from warpgran.simulation import simulate
     from warpgran.storage import open_dataset
 
@@ -28,7 +28,7 @@ _HOME = {
     "Case": "case",
     "CaseError": "errors",
     "derive": "derived",
-    "forces": "forces",
+    "forces": "momentum",
     "open_dataset": "storage",
     "simulate": "simulation",
 }

@@ -62,7 +62,12 @@ def run_to_file(
 
 
 def bring_up_to_date(
-    study: Study, path: Path, options: Options, progress: Callable[[float], None] = lambda runs: None
+    study: Study,
+    path: Path,
+    options: Options,
+    *,
+    progress: Callable[[float], None] = lambda runs: None,
+    compute: Compute = compute,
 ) -> bool:
     """See that `path` holds a study: go on with what is there of it, and compute anew what is of another one.
 
@@ -73,6 +78,7 @@ def bring_up_to_date(
         path: The result file.
         options: How to compute.
         progress: Told now and then how many runs are done.
+        compute: `simulation.compute`, or what does the same elsewhere.
 
     Returns:
         Whether it is all there now; False after Ctrl-C, with what was computed kept.
@@ -89,7 +95,7 @@ def bring_up_to_date(
         with reading(path) as file:
             if not pending(file["status"][:]).any():
                 return True
-    return not run_to_file(study, path, options, resume=True, progress=progress).interrupted
+    return not run_to_file(study, path, options, resume=True, progress=progress, compute=compute).interrupted
 
 
 def _open(layout: Layout, path: Path, facts: dict[str, Any], resume: bool) -> PartFile:

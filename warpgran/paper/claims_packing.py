@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from warpgran.derived import parameter
-from warpgran.forces import forces
+from warpgran.momentum import forces
 from warpgran.paper.claim import Finding, claim
 from warpgran.paper.measures import (
     GRAIN_TENTH,

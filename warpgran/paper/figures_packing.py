@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from warpgran.drawing import THIN
-from warpgran.forces import forces
+from warpgran.momentum import forces
 from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.measures import mass
 from warpgran.paper.panels import (

@@ -28,16 +28,13 @@ REMARKS = {
         "0.5 mm."
     ),
     "viscosity-on-profiles": (
-        "Where h > 1 cm it is 1.7 % at 0 degrees and 1.1 % at 22; the rest is in the foot of the "
-        "front."
+        "Where h > 1 cm it is 1.7 % at 0 degrees and 1.1 % at 22; the rest is in the foot of the front."
     ),
     "same-front-at-0": (
-        "At 5 mm it holds at every resolution; at 1 mm the foot of the front counts, and grows with finer "
-        "cells."
+        "At 5 mm it holds at every resolution; at 1 mm the foot of the front counts, and grows with finer cells."
     ),
     "speeds-at-036": (
-        "Near the front the three differ by 1 to 7 mm/s with 1 mm cells; with 0.25 mm clearly (34 to 61 "
-        "mm/s)."
+        "Near the front the three differ by 1 to 7 mm/s with 1 mm cells; with 0.25 mm clearly (34 to 61 mm/s)."
     ),
     "dense-front-ahead": (
         "It is at the end, and at all times up to 16 degrees but for 0.3 mm. At 22 degrees the loose front is ahead"
@@ -93,8 +90,7 @@ REMARKS = {
     "fastest-at-K-1": "With 0.5 mm cells and less it holds; with 1 mm only where h > 5 mm.",
     "friction-with-K": "Near the front with 0.25 mm cells; with 1 mm from K = 1 on. At 0.42 s at every resolution.",
     "front-insensitive-to-K": (
-        "The position of the front is, to 1 %; the thickness near it changes by 4 % of the "
-        "greatest."
+        "The position of the front is, to 1 %; the thickness near it changes by 4 % of the greatest."
     ),
     "walls-change-degree": (
         "phi and psi keep their course. mu does not: (4.1) adds mu_w h/w, 0.13 at the rear and next to nothing at "

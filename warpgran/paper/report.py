@@ -63,23 +63,23 @@ def put_claims(page: Page, judged: Sequence[Judged]) -> None:
     )
     for line in counted(judged):
         page.paragraph(f"{line[0].upper()}{line[1:]}.")
-    names = ["place", "the paper says", "its number", "defaults", "holds", "as the paper has it", "holds so"]
     rows = []
     for claim, found in judged:
-        two = (found[DEFAULTS.name], found[AS_PAPER.name])
-        numbers = [text for finding in two for text in (finding.value, YES_NO[finding.holds])]
-        rows.append([claim.place, claim.says, claim.paper, *numbers, _elsewhere(found), REMARKS.get(claim.name, "")])
-    page.table([*names, "other settings", "remark"], rows, verdict="holds")
+        ours, theirs = found[DEFAULTS.name], found[AS_PAPER.name]
+        says = f"{claim.says} [{claim.paper}]" if claim.paper else claim.says
+        remark = " ".join(filter(None, (_elsewhere(found), REMARKS.get(claim.name, ""))))
+        rows.append([claim.place, says, ours.value, YES_NO[ours.holds], f"{theirs.verdict}: {theirs.value}", remark])
+    page.table(["place", "the paper says", "defaults", "holds", "as the paper has it", "remark"], rows, verdict="holds")
 
 
 def _elsewhere(found: dict[str, Finding]) -> str:
-    """The settings whose verdict differs from that of the one that they refine or change."""
+    """The settings whose verdict differs from that of the one that they refine or change, in words."""
     words = []
     for setting in SETTINGS[2:]:
         other, base = found[setting.name], found[(AS_PAPER if setting.as_paper else DEFAULTS).name]
         if other.holds is not base.holds:
-            words.append(f"{setting.name}: {other.verdict} ({other.value})")
-    return "; ".join(words) or "the same verdicts"
+            words.append(f"{setting.name}: {other.verdict} ({other.value}).")
+    return " ".join(words)
 
 
 def put_picture(page: Page, picture: Picture, path: Path, judged: Sequence[Judged]) -> None:

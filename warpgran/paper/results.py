@@ -67,7 +67,11 @@ class Computed:
         study = study_of(self._runs / f"{name}.toml", self.setting, self._overrides)
         self._folder.mkdir(parents=True, exist_ok=True)
         path = self._folder / f"{name}.h5"
-        if not bring_up_to_date(study, path, self._options, lambda done: self._progress(name, len(study), done)):
+
+        def told(done: float) -> None:
+            self._progress(name, len(study), done)
+
+        if not bring_up_to_date(study, path, self._options, progress=told):
             raise KeyboardInterrupt
         self._progress(name, len(study), len(study))
         return open_dataset(path).load()
