@@ -129,3 +129,9 @@ def test_errors_name_what_is_wrong() -> None:
 def test_parameter_of_the_run_file_and_its_default() -> None:
     assert parameter(result(), "rheology.mu1").item() == 0.48
     assert parameter(result(), "scheme.h_front", 1e-3).item() == 1e-3
+
+
+def test_gravity_is_that_of_the_run_file() -> None:
+    data = result()
+    data.attrs["case_toml"] = CASE.replace("angle = 60.0", "angle = 60.0\ngravity = 1.62")  # on the moon
+    assert value(data, "I") == pytest.approx(INERTIAL * np.sqrt(9.81 / 1.62), rel=1e-6)

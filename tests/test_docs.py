@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from warpgran.case import Case
+from warpgran.paper.catalogue import CLAIMS
 from warpgran.runfile import plain
 from warpgran.sections import ALLOWED, SECTIONS, Model
 from warpgran.sweep import Sweep
@@ -61,6 +62,13 @@ def test_what_is_allowed_is_what_the_errors_say() -> None:
         if words[key]:
             _, allowed, unit = rows[key]
             assert words[key] == (f"{allowed}, in {unit}" if unit else allowed)
+
+
+def test_every_claim_of_the_paper_is_in_the_table() -> None:
+    lines = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8").splitlines()
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("|")]
+    told = [row[1] for row in rows if len(row) == 7][2:]
+    assert told == [f"{claim.says} [{claim.paper}]" if claim.paper else claim.says for claim in CLAIMS]
 
 
 def test_every_dependency_is_explained() -> None:

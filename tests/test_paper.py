@@ -23,14 +23,26 @@ from warpgran.paper.laboratory import read_laboratory
 from warpgran.paper.measures import front_of, rise, slow_regime
 from warpgran.paper.remarks import REMARKS
 from warpgran.paper.reproduce import shipped_runs
-from warpgran.paper.results import NotComputedError, one_of
-from warpgran.paper.settings import SETTINGS
+from warpgran.paper.results import Computed, NotComputedError, one_of
+from warpgran.paper.settings import DEFAULTS, SETTINGS
 from warpgran.simulation import Options, compute
 from warpgran.storage import open_dataset, part_of
 from warpgran.sweep import Study, read_study
 from warpgran.tables import TableError
 
 T = np.arange(0.0, 1.805, 0.01)
+DIVERGING = """
+[rheology]
+K = 0.0
+[grid]
+cells = 40
+[time]
+end = 0.1
+[scheme]
+viscosity = "paper"
+[sweep.over]
+"slope.angle" = [0, 22]
+"""
 X = np.linspace(-0.1995, 1.5995, 1800)
 
 
@@ -203,10 +215,18 @@ def test_one_run_is_found_by_its_keys() -> None:
     data = xr.Dataset({"status": ("run", [0, 1]), "end_time": ("run", [1.0, 0.5])}, {"rheology.K": ("run", [0.0, 1.0])})
     data = data.assign(x=("cell", [0.0, 1.0]))
     assert float(one_of(data, "a", {"K": 0.0})["end_time"]) == 1.0
-    with pytest.raises(NotComputedError, match=r"the run with K = 1\.0 diverged at t = 0\.5 s"):
-        one_of(data, "a", {"K": 1.0})
+    assert float(one_of(data, "a", {"K": 1.0})["end_time"]) == 0.5
     with pytest.raises(NotComputedError, match=r"a holds 0 runs with K = 2\.0"):
         one_of(data, "a", {"K": 2.0})
+
+
+def test_a_run_that_diverged_is_drawn_to_its_end_and_not_judged(tmp_path: Path) -> None:
+    (tmp_path / "bad.toml").write_text(DIVERGING)
+    draws, judges = (Computed(DEFAULTS, tmp_path, tmp_path / "results", Options(), whole=w) for w in (False, True))
+    assert np.isnan(draws.run("bad", angle=0.0)["front"].values[-1])
+    assert draws.ended_early == ["the run with angle = 0.0 diverged at t = 0.01 s"]
+    with pytest.raises(NotComputedError, match=r"the run with angle = 0\.0 diverged at t = 0\.01 s"):
+        judges.run("bad", angle=0.0)
 
 
 # Laboratory data
@@ -330,6 +350,7 @@ def test_a_figure_from_end_to_end(tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         (["fig04"], "fig04: no such figure; allowed: fig02, fig03, fig05"),
+        (["--setting", "fine"], "setting: 'fine' is not known; allowed: defaults, paper_form, defaults_2x"),
         (["--runs", "nowhere"], "runs: nowhere is not a folder of run files"),
         (["--data", "nowhere"], "nowhere: is not a folder of measurements"),
         (["fig07", "--set", "grid.cell=90"], "grid.cell: unknown key; did you mean grid.cells?"),

@@ -22,34 +22,35 @@ def reproduce(
         Path | None, typer.Option("--runs", metavar="FOLDER", help="Run files to use instead of those that ship.")
     ] = None,
     setting: Annotated[
-        Literal["defaults", "paper_form", "defaults_2x", "defaults_4x", "paper_form_2x", "phi_stat_585"],
-        typer.Option(help="What is drawn: the defaults, the paper's own form, finer cells."),
+        str, typer.Option(metavar="NAME", help="What is drawn: defaults, paper_form, defaults_2x, ...: docs/paper.md.")
     ] = "defaults",
     claims: Annotated[bool, typer.Option("--claims/--no-claims", help="Judge what the paper states.")] = True,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key of every run file; repeatable.")
     ] = None,
-    device: Annotated[str, typer.Option(help="cpu, cuda or cuda:N.")] = "cpu",
+    device: Annotated[str, typer.Option(help="cpu, cuda, cuda:N, or several: cuda:0,cuda:1.")] = "cpu",
     precision: Annotated[Literal["float64", "float32"], typer.Option(help="Of the kernels.")] = "float64",
 ) -> None:
     """Compute the paper's figures and judge its claims: a folder of pictures, claims.csv and one HTML page."""
-    from warpgran.device import find_device, start_quietly
+    from warpgran.device import find_devices, start_quietly
+    from warpgran.page import template
     from warpgran.paper.catalogue import chosen
     from warpgran.paper.laboratory import Laboratory, read_laboratory
     from warpgran.paper.reproduce import Plan, reproduce, shipped_runs
-    from warpgran.paper.settings import SETTINGS
+    from warpgran.paper.settings import setting_named
     from warpgran.simulation import Options
 
     names = tuple(figures or ())
     chosen(names)
+    template()  # before minutes of computing, not after
     if runs is not None and not runs.is_dir():
         raise ValueError(f"runs: {runs} is not a folder of run files")
+    drawn = setting_named(setting)
     laboratory = read_laboratory(data) if data else Laboratory()
-    drawn = next(each for each in SETTINGS if each.name == setting)
     how = Options(device, precision)
     plan = Plan(runs or shipped_runs(), output, names, laboratory, how, tuple(set_ or ()), drawn, claims)
     start_quietly()
-    find_device(device)
+    find_devices(device)
     try:
         with _progress() as (progress, tell):
             page = reproduce(plan, progress, tell)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,6 @@ from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.measures import mass
 from warpgran.paper.panels import (
     DASHES,
-    STYLES,
     against_time,
     along,
     draw_series,
@@ -30,7 +28,6 @@ from warpgran.paper.picture import picture
 from warpgran.paper.results import ANGLES, DENSE, K_PAPER, LOOSE, PACKINGS, Results, at, collapse
 
 TWO = ("dense", "loose")
-THREE = tuple(PACKINGS)
 GIVEN = {0: (0.06, 0.36, 0.48, 0.66), 10: (0.06, 0.36, 0.66, 1.02), 22: (0.06, 0.48, 1.38, 1.8)}  # s
 FORCES = {
     "f_acc": ("#e69f00", r"$f_\mathrm{acc}$"),
@@ -41,14 +38,10 @@ FORCES = {
 }
 
 
-def three(ax: Axes, r: Results, angle: float, t: float, name: str, packings: tuple[str, ...] = THREE) -> None:
-    """A field of the three packings (or some) at one instant."""
-    shots = {packing: partial(_shot, r, angle, packing, t) for packing in packings}
-    profiles(ax, shots, name, STYLES, f"{angle:g}°, $t$ = {t:g} s")
-
-
-def _shot(r: Results, angle: float, packing: str, t: float) -> xr.Dataset:
-    return at(collapse(r, angle, packing), t)
+def three(ax: Axes, r: Results, angle: float, t: float, name: str) -> None:
+    """A field of the three packings at one instant."""
+    profiles(ax, {packing: at(collapse(r, angle, packing), t) for packing in PACKINGS}, name)
+    head(ax, f"{angle:g}°, $t$ = {t:g} s")
 
 
 @picture
@@ -155,8 +148,9 @@ def fig10(r: Results, lab: Laboratory) -> Figure:
     for ax, t in zip(axes[2], (0.06, 0.36), strict=True):
         for place, name in (((0.12, 0.6, 0.32, 0.33), "I"), ((0.56, 0.6, 0.32, 0.33), "h")):
             inset = ax.inset_axes(place)
-            profiles(inset, {p: partial(_shot, r, 0, p, t) for p in THREE}, name, STYLES, "")
-            inset.set_ylabel({"I": "$I$", "h": "$h$ (cm)"}[name], fontsize=6.5, labelpad=0)
+            profiles(inset, {packing: at(collapse(r, 0, packing), t) for packing in PACKINGS}, name)
+            inset.set_ylabel("")
+            inset.set_title({"I": "$I$ (-)", "h": "$h$ (cm)"}[name], fontsize=6.5, pad=2)
             inset.tick_params(labelsize=6)
             if name == "I":
                 inset.set_yscale("log")

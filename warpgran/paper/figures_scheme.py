@@ -85,7 +85,7 @@ def fig03(r: Results, lab: Laboratory) -> Figure:
     """
     figure, axes = sheet(1, 2, 2.5)
     for ax, angle, t in zip(axes.flat, (0, 22), (0.36, 1.38), strict=True):
-        inset = ax.inset_axes((0.5, 0.48, 0.47, 0.48))
+        inset = ax.inset_axes((0.5, 0.53, 0.47, 0.43))
         shots = {"with": at(collapse(r, angle, "dense"), t), "without": at(r.run("no_viscosity", angle=angle), t)}
         for (name, shot), style in zip(shots.items(), (STYLES["dense"], STYLES["incompressible"]), strict=True):
             draw_profile(ax, shot, "h", f"{name} viscosity", **style)
@@ -96,7 +96,7 @@ def fig03(r: Results, lab: Laboratory) -> Figure:
         inset.set_ylim(0.0, 4.0)
         inset.set_ylabel("$h$ (mm)", fontsize=7, labelpad=1)
         inset.tick_params(labelsize=6.5)
-        ax.set_ylim(bottom=0.0)
+        ax.set_ylim(0.0, 1.15 * ax.get_ylim()[1])
         head(ax, f"{angle}°, $t$ = {t:g} s")
     along(axes)
     return finish(figure, list(axes.flat))

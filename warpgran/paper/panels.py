@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 
 from warpgran.drawing import FRONT_LABEL, THIN, TIME_LABEL, WIDTH, letter
 from warpgran.paper.measures import field, mass
-from warpgran.paper.results import NotComputedError
 
 X_LABEL = "position along the slope $x$ (m)"
 LABELS = {
@@ -81,21 +80,14 @@ def draw_series(ax: Axes, one: xr.Dataset, name: str, label: str | None = None, 
     ax.set_ylabel(LABELS[name])
 
 
-def profiles(
-    ax: Axes, shots: Mapping[str, Callable[[], xr.Dataset]], name: str, styles: Mapping[str, Style], title: str
-) -> None:
-    """One field of several runs at one instant; a run that was not computed is left out and named."""
-    missing = []
+def profiles(ax: Axes, shots: Mapping[str, xr.Dataset], name: str) -> None:
+    """One field of the packings at one instant."""
     for label, shot in shots.items():
-        try:
-            draw_profile(ax, shot(), name, label, **styles[label])
-        except NotComputedError:
-            missing.append(label)
+        draw_profile(ax, shot, name, label, **STYLES[label])
     if name in ("psi", "tan_psi"):
         ax.axhline(0.0, **THIN)
     if name == "h":
         ax.set_ylim(bottom=0.0)
-    head(ax, title + (f" (without {', '.join(missing)})" if missing else ""))
 
 
 def head(ax: Axes, title: str) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from matplotlib import rc_context
 
-from warpgran.drawing import STYLE, written_whole
+from warpgran.drawing import STYLE
 from warpgran.page import Page
 from warpgran.paper.catalogue import chosen
 from warpgran.paper.claim import Finding
@@ -18,6 +18,7 @@ from warpgran.paper.report import Judged, counted, put_claims, put_picture, put_
 from warpgran.paper.results import Computed, Results
 from warpgran.paper.settings import DEFAULTS, SETTINGS, Setting
 from warpgran.simulation import Options
+from warpgran.storage import replacing
 
 Progress = Callable[[str, int, float], None]
 Tell = Callable[[str], None]
@@ -74,17 +75,19 @@ def reproduce(plan: Plan, progress: Progress, tell: Tell) -> Path:
     """
     pictures, _ = chosen(plan.figures)
     plan.output.mkdir(parents=True, exist_ok=True)
-    drawn = _results(plan, plan.setting, progress)
+    drawn = _results(plan, plan.setting, progress, whole=False)
     for picture in pictures:
         draw(picture, drawn, plan.laboratory, plan.output)
         tell(f"drew {picture.name}: {picture.title.removesuffix('.')}")
+    for words in drawn.ended_early:
+        tell(f"{words}: its lines end there")
     judged = _judged(plan, progress, tell) if plan.claims else []
     if judged:
         write_csv(judged, plan.output / "claims.csv")
         for line in counted(judged):
             tell(line)
     page = plan.output / "index.html"
-    _page(plan, pictures, judged).write(page)
+    _page(plan, pictures, drawn.ended_early, judged).write(page)
     return page
 
 
@@ -93,16 +96,16 @@ def draw(picture: Picture, results: Results, laboratory: Laboratory, folder: Pat
     with rc_context({**STYLE, "svg.hashsalt": picture.name}):
         figure = picture.draw(results, laboratory)
         for suffix, metadata in ((".png", None), (".svg", {"Date": None})):
-            with written_whole(folder / f"{picture.name}{suffix}") as part:
+            with replacing(folder / f"{picture.name}{suffix}") as part:
                 figure.savefig(part, dpi=180, metadata=metadata)
 
 
-def _results(plan: Plan, setting: Setting, progress: Progress) -> Computed:
+def _results(plan: Plan, setting: Setting, progress: Progress, whole: bool = True) -> Computed:
     def named(name: str, runs: int, done: float) -> None:
         progress(f"{setting.name}/{name}", runs, done)
 
     folder = plan.output / "results" / setting.name
-    return Computed(setting, plan.runs, folder, plan.options, plan.overrides, named)
+    return Computed(setting, plan.runs, folder, plan.options, plan.overrides, named, whole)
 
 
 def _judged(plan: Plan, progress: Progress, tell: Tell) -> list[Judged]:
@@ -117,7 +120,7 @@ def _judged(plan: Plan, progress: Progress, tell: Tell) -> list[Judged]:
     return [(claim, findings[claim.name]) for claim in claims]
 
 
-def _page(plan: Plan, pictures: tuple[Picture, ...], judged: list[Judged]) -> Page:
+def _page(plan: Plan, pictures: tuple[Picture, ...], ended_early: list[str], judged: list[Judged]) -> Page:
     page = Page("Dilatancy in dry granular flows with a compressible mu(I) rheology, computed anew")
     page.paragraph(
         "The numerical results of F. Bouchut, E. D. Fernandez-Nieto, E. H. Kone, A. Mangeney and G. Narbona-Reina, "
@@ -129,6 +132,8 @@ def _page(plan: Plan, pictures: tuple[Picture, ...], judged: list[Judged]) -> Pa
     if plan.overrides:
         changed = ", ".join(plan.overrides)
         page.paragraph(f"Changed in every run file: {changed}. The remarks are on the files as they ship.")
+    for words in ended_early:
+        page.paragraph(f"In the figures {words}: its lines end there.")
     if judged:
         put_claims(page, judged)
     for picture in pictures:

@@ -37,6 +37,7 @@ class Computed:
 
     Attributes:
         setting: How they are computed.
+        ended_early: What there is to tell of runs that did not end cleanly and were handed out all the same.
     """
 
     def __init__(
@@ -47,6 +48,7 @@ class Computed:
         options: Options,
         overrides: Sequence[str] = (),
         progress: Callable[[str, int, float], None] = lambda name, runs, done: None,
+        whole: bool = True,
     ) -> None:
         """Nothing is computed yet.
 
@@ -57,8 +59,11 @@ class Computed:
             options: Device, precision and so on.
             overrides: `KEY=VALUE` for every run file.
             progress: Told the name of a run file, how many runs it has and how many are done.
+            whole: Whether a run that did not end cleanly is refused; else it is NaN from there on.
         """
         self.setting = setting
+        self.ended_early: list[str] = []
+        self._whole = whole
         self._runs, self._folder, self._options = runs, folder, options
         self._overrides, self._progress = overrides, progress
         self._data = cache(self._compute)
@@ -80,10 +85,17 @@ class Computed:
         """One run of a run file.
 
         Raises:
-            NotComputedError: There is none such, or it diverged.
+            NotComputedError: There is none such, or it did not end cleanly.
             KeyboardInterrupt: Ctrl-C while it was computed.
         """
-        return one_of(self._data(name), name, where)
+        one = one_of(self._data(name), name, where)
+        status = Status(int(one["status"]))
+        if not status.clean:
+            ended = f"the run with {_words(where)} {status.word} at t = {float(one['end_time']):.3g} s"
+            if self._whole:
+                raise NotComputedError(ended)
+            self.ended_early += [ended] if ended not in self.ended_early else []
+        return one
 
 
 def study_of(path: Path, setting: Setting, overrides: Sequence[str] = ()) -> Study:
@@ -100,20 +112,20 @@ def one_of(data: xr.Dataset, name: str, where: Mapping[str, float | str]) -> xr.
     """The one run with these values of the keys in which the runs differ, named by their last part.
 
     Raises:
-        NotComputedError: There is none such, or it did not end cleanly.
+        NotComputedError: There is none such.
     """
     chosen = np.ones(data.sizes["run"], dtype=bool)
     for key, value in where.items():
         (column,) = [data[c].values for c in data.coords if str(c).rpartition(".")[2] == key and "." in str(c)]
         chosen &= column == value
-    words = ", ".join(f"{key} = {value}" for key, value in where.items())
     if chosen.sum() != 1:
-        raise NotComputedError(f"{name} holds {chosen.sum()} runs with {words}")
+        raise NotComputedError(f"{name} holds {chosen.sum()} runs with {_words(where)}")
     one = data.isel(run=int(np.flatnonzero(chosen)[0]))
-    status = Status(int(one["status"]))
-    if not status.clean:
-        raise NotComputedError(f"the run with {words} {status.word} at t = {float(one['end_time']):.3g} s")
     return one.isel(cell=np.flatnonzero(np.isfinite(one["x"].values)))
+
+
+def _words(where: Mapping[str, float | str]) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in where.items())
 
 
 def at(one: xr.Dataset, t: float) -> xr.Dataset:

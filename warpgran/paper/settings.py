@@ -56,3 +56,16 @@ SETTINGS = (
     Setting("paper_form_2x", "as the paper has it, with twice the cells", as_paper=True, refinement=2),
     Setting("phi_stat_585", "the defaults with phi_stat = 0.585, as section 4.1 says", {"rheology.phi_stat": 0.585}),
 )
+
+
+def setting_named(name: str) -> Setting:
+    """A setting by its name.
+
+    Raises:
+        ValueError: There is none such; the message says which there are.
+    """
+    for setting in SETTINGS:
+        if setting.name == name:
+            return setting
+    allowed = ", ".join(setting.name for setting in SETTINGS)
+    raise ValueError(f"setting: {name!r} is not known; allowed: {allowed}")
