@@ -52,11 +52,12 @@ class Claim:
     judge: Callable[[Results], Finding]
 
     def evaluate(self, results: Results) -> Finding:
-        """What our results say; that it cannot be told where a run or an instant is not there."""
+        """What our results say; that it cannot be told where a run, an instant or one of the numbers is not there."""
         try:
-            return self.judge(results)
+            finding = self.judge(results)
         except NotComputedError as error:
             return Finding(str(error), None)
+        return Finding(finding.value, None) if "nan" in finding.value else finding
 
 
 def claim(
@@ -71,7 +72,7 @@ def claim(
     def made(judge: Callable[[Results], Finding]) -> Claim:
         says, _, how = inspect.cleandoc(judge.__doc__ or "").partition("\n\n")
         name = judge.__name__.replace("_", "-")
-        words = f"{shared} {' '.join(how.split())}".strip()
+        words = " ".join(f"{shared} {how}".split())
         return Claim(name, place, tuple(figures.split()), says, paper, words, judge)
 
     return made

@@ -8,21 +8,16 @@ import xarray as xr
 from warpgran.derived import parameter
 from warpgran.keys import rank_correlation
 from warpgran.paper.claim import Finding, claim
-from warpgran.paper.measures import Array, field, front_of, front_zone, mass, mean, rear, same_cells
-from warpgran.paper.results import DENSE, K_PAPER, LOOSE, Results, at
+from warpgran.paper.measures import Array, field, front_of, front_zone, mass, mean, over, rear, same_cells
+from warpgran.paper.results import K_PAPER, Results, at, collapse
 
 FOUR = (0.0, 1.0, K_PAPER, 8.0)
-PHI = {"dense": DENSE, "loose": LOOSE}
+TWO = ("dense", "loose")
 
 
 def by_K(values: dict[float, float], form: str = "{:.2f}", unit: str = "") -> str:
     """Values by K, in words."""
     return ", ".join(f"K = {K:g}: {form.format(value)}" for K, value in values.items()) + f" {unit}".rstrip()
-
-
-def with_K(r: Results, angle: float, packing: str, K: float) -> xr.Dataset:
-    """A packing with a dilation coefficient, on a slope [degrees]."""
-    return r.run("collapses", angle=angle, phi=PHI[packing], K=K)
 
 
 def apart(a: xr.Dataset, b: xr.Dataset, name: str = "h") -> float:
@@ -48,8 +43,8 @@ def thickness_saturates(r: Results) -> Finding:
     packings.
     """
     ratio = {}
-    for name in PHI:
-        shots = {K: at(with_K(r, 0, name, K), 0.36) for K in FOUR}
+    for name in TWO:
+        shots = {K: at(collapse(r, 0, name, K), 0.36) for K in FOUR}
         ratio[name] = apart(shots[8.0], shots[K_PAPER]) / apart(shots[K_PAPER], shots[0.0])
     return Finding(", ".join(f"{name} {value:.2f}" for name, value in ratio.items()), max(ratio.values()) < 0.25)
 
@@ -62,8 +57,8 @@ def fastest_at_K_1(r: Results) -> Finding:
     """
     words, holds = [], True
     for level, name in ((1e-3, "1 mm"), (5e-3, "5 mm")):
-        shots = {K: at(with_K(r, 0, "dense", K), 0.36) for K in FOUR}
-        top = {K: 1e3 * float(shot["v"].values[mass(shot, level)].max()) for K, shot in shots.items()}
+        shots = {K: at(collapse(r, 0, "dense", K), 0.36) for K in FOUR}
+        top = {K: 1e3 * float(over(shot, "v", mass(shot, level)).max()) for K, shot in shots.items()}
         words.append(f"h > {name}: {by_K(top, '{:.0f}', 'mm/s')}")
         holds &= top[1.0] > top[0.0] and top[1.0] > top[K_PAPER] > top[8.0]
     return Finding("; ".join(words), holds)
@@ -75,7 +70,7 @@ def rear_speed_opposite(r: Results) -> Finding:
 
     Mean speed of the dense mass from the wall to x = -5 cm, 0 degrees, 0.36 s; holds if it falls and then rises so.
     """
-    shots = {K: at(with_K(r, 0, "dense", K), 0.36) for K in FOUR}
+    shots = {K: at(collapse(r, 0, "dense", K), 0.36) for K in FOUR}
     speed = {K: 1e3 * mean(s, "v", mass(s) & (s["x"].values < -0.05)) for K, s in shots.items()}
     return Finding(by_K(speed, "{:.1f}", "mm/s"), speed[1.0] < speed[0.0] and speed[1.0] < speed[K_PAPER] < speed[8.0])
 
@@ -89,7 +84,7 @@ def phi_at_rear(r: Results) -> Finding:
     """
     words, holds = [], True
     for name, sign in (("dense", -1), ("loose", 1)):
-        shots = {K: at(with_K(r, 0, name, K), 0.36) for K in FOUR}
+        shots = {K: at(collapse(r, 0, name, K), 0.36) for K in FOUR}
         phi = {K: mean(shot, "phi", mass(shot) & (shot["x"].values < 0)) for K, shot in shots.items()}
         words.append(f"{name} {by_K(phi, '{:.4f}')}")
         holds &= bool(np.all(sign * np.diff(list(phi.values())) > 0))
@@ -104,7 +99,7 @@ def psi_at_rear(r: Results) -> Finding:
     """
     words, holds = [], True
     for name, sign in (("dense", 1), ("loose", -1)):
-        shots = {K: at(with_K(r, 0, name, K), 0.36) for K in FOUR}
+        shots = {K: at(collapse(r, 0, name, K), 0.36) for K in FOUR}
         psi = {K: mean(shot, "psi", rear(shot)) for K, shot in shots.items()}
         words.append(f"{name} {by_K(psi, '{:+.1f}')}")
         holds &= bool(np.all(sign * np.diff(list(psi.values())) > 0))
@@ -118,8 +113,8 @@ def friction_with_K(r: Results) -> Finding:
     Mean mu over the first 10 cm and over the last 5 cm, 0 degrees, 0.36 s; holds if so from each K to the next.
     Also near the front at 0.42 s.
     """
-    shots = {K: at(with_K(r, 0, "dense", K), 0.36) for K in FOUR}
-    later = {K: at(with_K(r, 0, "dense", K), 0.42) for K in FOUR}
+    shots = {K: at(collapse(r, 0, "dense", K), 0.36) for K in FOUR}
+    later = {K: at(collapse(r, 0, "dense", K), 0.42) for K in FOUR}
     behind = {K: mean(shot, "mu", rear(shot)) for K, shot in shots.items()}
     ahead, then = ({K: mean(s, "mu", front_zone(s)) for K, s in group.items()} for group in (shots, later))
     holds = bool(np.all(np.diff(list(behind.values())) > 0) and np.all(np.diff(list(ahead.values())) < 0))
@@ -136,7 +131,7 @@ def dilation_with_K(r: Results) -> Finding:
     """
     words, holds = [], True
     for angle in (0, 22):
-        most = {K: 100 * float(with_K(r, angle, "dense", K)["volume_change"].max()) for K in FOUR}
+        most = {K: 100 * float(collapse(r, angle, "dense", K)["volume_change"].max()) for K in FOUR}
         words.append(f"{angle} degrees: {by_K(most, '{:.2f}', '%')}")
         holds &= bool(np.all(np.diff(list(most.values())) > 0))
     holds &= most[8.0] < 1.05 * most[K_PAPER]
@@ -152,7 +147,7 @@ def front_insensitive_to_K(r: Results) -> Finding:
     """
 
     def change(a: float, b: float) -> tuple[float, float]:
-        pairs = [[at(with_K(r, 22, name, K), 0.48) for K in (a, b)] for name in PHI]
+        pairs = [[at(collapse(r, 22, name, K), 0.48) for K in (a, b)] for name in TWO]
         found = [_front_change(*pair) for pair in pairs]
         return max(way for way, _ in found), max(shape for _, shape in found)
 
@@ -176,7 +171,7 @@ def loose_speed_sensitive(r: Results) -> Finding:
 
     Mean change of v over the mass from K = 4.09 to 8; holds if larger in the loose one.
     """
-    pairs = {name: [at(with_K(r, 22, name, K), 0.48) for K in (K_PAPER, 8.0)] for name in PHI}
+    pairs = {name: [at(collapse(r, 22, name, K), 0.48) for K in (K_PAPER, 8.0)] for name in TWO}
     change = {name: 1e3 * apart(a, b, "v") for name, (a, b) in pairs.items()}
     words = ", ".join(f"{name} {value:.1f}" for name, value in change.items())
     return Finding(f"{words} mm/s", change["loose"] > change["dense"])
@@ -190,8 +185,8 @@ def regime_and_K(r: Results) -> Finding:
     of the loose mass is at least twice that of the dense one.
     """
     spread = {}
-    for name, phi in PHI.items():
-        ones = [r.run("fronts", angle=22, phi=phi, K=K) for K in FOUR[1:]]
+    for name in TWO:
+        ones = [collapse(r, 22, name, K, "fronts") for K in FOUR[1:]]
         t = ones[0]["series_time"].values
         speed = np.stack([one["front_speed"].values for one in ones])[:, (t > 0.995) & (t < 1.405)]
         spread[name] = 100 * float((speed.max(axis=0) - speed.min(axis=0)).max() / speed.mean())

@@ -17,10 +17,11 @@ from warpgran.paper.measures import (
     mass,
     mean,
     moving,
+    over,
     slow_regime,
     solid_share,
 )
-from warpgran.paper.results import ANGLES, DENSE, K_PAPER, LOOSE, PACKINGS, Results, at, collapse
+from warpgran.paper.results import ANGLES, PACKINGS, Results, at, collapse
 
 THREE = tuple(PACKINGS)  # dense, loose, incompressible
 TWO = ("dense", "loose")
@@ -143,7 +144,7 @@ def dense_front_faster(r: Results) -> Finding:
     """
     shots = [at(collapse(r, 22, name), 1.38) for name in TWO]
     wall = float(parameter(shots[0], "grid.left"))
-    still = [float(shot["x"].values[moving(shot)].min()) - wall for shot in shots]
+    still = [float(over(shot, "x", moving(shot)).min()) - wall for shot in shots]
     speed = {name: mean(shot, "v", front_zone(shot, 0.1)) for name, shot in zip(TWO, shots, strict=True)}
     words = f"at rest over {100 * min(still):.0f} cm; {by_packing(speed, '{:.3f}', 'm/s')}"
     return Finding(words, min(still) > 0.2 and speed["dense"] > 1.25 * speed["loose"])
@@ -173,7 +174,7 @@ def dense_front_ahead(r: Results) -> Finding:
         lead = 1e3 * (dense["front"] - loose["front"]).values
         late = dense["series_time"].values > 0.105
         least[angle], last[angle] = float(lead[late].min()), float(lead[-1])
-        at_5 = [r.run("fronts", angle=angle, phi=phi, K=K_PAPER)["front"].values for phi in (DENSE, LOOSE)]
+        at_5 = [collapse(r, angle, name, source="fronts")["front"].values for name in TWO]
         thick[angle] = 1e3 * float((at_5[0] - at_5[1])[late].min())
     words = f"least lead {at_angles(least, '{:+.1f}', 'mm')}; at 5 mm {at_angles(thick, '{:+.1f}', 'mm')}; "
     return Finding(words + f"at 1.8 s {at_angles(last, '{:+.1f}', 'mm')}", min(*least.values(), *thick.values()) >= 0)
@@ -279,8 +280,7 @@ REGIME = (
 
 def regime(r: Results, packing: str, K: float | None = None) -> tuple[str, float, float]:
     """How nearly steady the front gets at 22 degrees, with the front at 1 mm and at 5 mm."""
-    where = PACKINGS[packing] | ({} if K is None else {"K": K})
-    both = [r.run(name, angle=22, **where) for name in ("collapses", "fronts")]
+    both = [collapse(r, 22, packing, K, source) for source in ("collapses", "fronts")]
     thin, thick = (slow_regime(one["series_time"].values, one["front_speed"].values) for one in both)
     return f"{packing}{'' if K is None else f' K = {K:g}'} {thin:.2f} and {thick:.2f}", thin, thick
 
@@ -325,7 +325,7 @@ def regime_dilates(r: Results) -> Finding:
     found = {}
     for name in TWO:
         for K in (1.0, 4.09, 8.0):
-            shot = at(r.run("collapses", angle=22, phi=PACKINGS[name]["phi"], K=K), 1.2)
+            shot = at(collapse(r, 22, name, K), 1.2)
             found[name, K] = mean(shot, "psi", front_zone(shot))
     words = ", ".join(f"{name} K = {K:g}: {psi:+.2f}" for (name, K), psi in found.items())
     dilates = {key for key, psi in found.items() if psi > 0}
@@ -343,7 +343,7 @@ def psi_at_first(r: Results) -> Finding:
     if between 7 and 9 degrees.
     """
     shots = [at(collapse(r, angle, name), 0.06) for angle in (0, 22) for name in TWO]
-    most, thick = (max(abs(field(shot, "psi")[mass(shot, level)]).max() for shot in shots) for level in (1e-3, 5e-3))
+    most, thick = (max(abs(over(shot, "psi", mass(shot, level))).max() for shot in shots) for level in (1e-3, 5e-3))
     return Finding(f"{most:.1f} degrees, {thick:.1f} where h > 5 mm", bool(7 < most < 9))
 
 
@@ -360,7 +360,7 @@ def psi_at_036(r: Results) -> Finding:
 
     def least(t: float) -> float:
         shots = [at(collapse(r, 0, name), t) for name in TWO]
-        return min(float(field(shot, "psi")[front_zone(shot)].min()) for shot in shots)
+        return min(float(over(shot, "psi", front_zone(shot)).min()) for shot in shots)
 
     return Finding(f"{least(0.36):.1f} degrees; {least(0.42):.1f} at 0.42 s", -20 < least(0.36) < -12)
 
@@ -504,7 +504,8 @@ def friction_rises_without_dilatancy(r: Results) -> Finding:
         one = collapse(r, angle, "incompressible")
         shots = [at(one, t) for t in one["time"].values if t > 0]
         rises += [_friction_rise(shot) for shot in shots if mean(shot, "v", front_zone(shot, 0.01)) > REST_SPEED]
-    return Finding(f"least {min(rises):+.3f}", min(rises) > 0)
+    least = min(rises, default=float("nan"))
+    return Finding(f"least {least:+.3f}", least > 0)
 
 
 @claim("4.3.2, Fig. 14", "fig14", paper="10 %")
@@ -547,7 +548,7 @@ FORCES = ("f_acc", "f_inert", "f_press", "f_grav", "f_fric")
 
 def force_means(r: Results, angle: float, t: float, packing: str = "dense") -> dict[str, float]:
     """Mean amount of each force over the moving mass, as part of the largest."""
-    one = r.run("forces", angle=angle, **PACKINGS[packing])
+    one = collapse(r, angle, packing, source="forces")
     shot, found = at(one, t), at(forces(one), t)
     amounts = {name: float(np.nanmean(abs(found[name].values[moving(shot)]))) for name in FORCES}
     return {name: amount / max(amounts.values()) for name, amount in amounts.items()}
@@ -597,7 +598,7 @@ def acceleration_against_inertia(r: Results) -> Finding:
     Mean amount of their sum over the sum of their mean amounts, moving dense mass at 22 degrees; the paper gives no
     instant: holds if below 0.5 at 0.48 or at 1.38 s.
     """
-    one = r.run("forces", angle=22, **PACKINGS["dense"])
+    one = collapse(r, 22, "dense", source="forces")
     found, ratios = forces(one), {}
     for t in (0.48, 1.38):
         acc, inert = (at(found, t)[name].values[moving(at(one, t))] for name in ("f_acc", "f_inert"))
@@ -614,7 +615,7 @@ def dilatancy_on_forces(r: Results) -> Finding:
     """
     words, holds = [], True
     for angle, t in ((0, 0.06), (0, 0.36), (22, 0.06), (22, 1.38)):
-        ones = [r.run("forces", angle=angle, **PACKINGS[name]) for name in TWO]
+        ones = [collapse(r, angle, name, source="forces") for name in TWO]
         shots, found = [at(one, t) for one in ones], [at(forces(one), t) for one in ones]
         both = mass(shots[0]) & mass(shots[1])
         apart = {n: float(np.nanmean(abs(found[0][n].values - found[1][n].values)[both])) for n in FORCES}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from warpgran.derived import derive, parameter
+from warpgran.derived import parameter
 from warpgran.paper.claim import Finding, claim
-from warpgran.paper.measures import GRAIN_TENTH, front_of, mass, rise, same_cells
+from warpgran.paper.measures import GRAIN_TENTH, front_of, mass, over, rise, same_cells
 from warpgran.paper.results import Results, at, collapse
 
 INSTANT = 1.38  # s, of Fig. 2
@@ -33,8 +33,8 @@ def linear_law_negative(r: Results) -> Finding:
     Least phi_stat - K_tilde I where h > 1 mm; holds if it is below 0.
     """
     one = at(form(r, 22, "f2"), INSTANT)
-    linear = parameter(one, "rheology.phi_stat") - parameter(one, "rheology.K_tilde") * derive(one, "I")["I"]
-    x, values = one["x"].values[mass(one)], linear.values[mass(one)]
+    stat, slope = (float(parameter(one, f"rheology.{name}")) for name in ("phi_stat", "K_tilde"))
+    x, values = one["x"].values[mass(one)], stat - slope * over(one, "I", mass(one))
     negative = values < 0
     behind = front_of(one) - x[negative].min() if negative.any() else 0.0
     return Finding(f"down to {values.min():.2f}, negative over the last {1e3 * behind:.0f} mm", bool(negative.any()))

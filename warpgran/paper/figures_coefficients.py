@@ -23,23 +23,18 @@ from warpgran.paper.panels import (
     sheet,
 )
 from warpgran.paper.picture import picture
-from warpgran.paper.results import K_PAPER, PACKINGS, Results, at
+from warpgran.paper.results import K_PAPER, Results, at, collapse
 
 COEFFICIENTS = (0.0, 1.0, K_PAPER, 8.0)
 SHADES = dict(zip(COEFFICIENTS, shades(4), strict=True))
 WALLS = {0.0: "no wall friction", 0.18: r"$\mu_\mathrm{w}$ = 0.18"}
 
 
-def with_K(r: Results, angle: float, packing: str, K: float, source: str = "collapses") -> xr.Dataset:
-    """A packing with a dilation coefficient, on a slope [degrees]."""
-    return r.run(source, angle=angle, phi=PACKINGS[packing]["phi"], K=K)
-
-
 def all_K(ax: Axes, r: Results, angle: float, t: float, name: str) -> None:
     """A field at one instant for every K: dense full, loose dashed."""
     for packing in TWO:
         for K, colour in SHADES.items():
-            shot = at(with_K(r, angle, packing, K), t)
+            shot = at(collapse(r, angle, packing, K), t)
             draw_profile(ax, shot, name, f"K = {K:g}, {packing}", color=colour, linestyle=DASHES[packing])
     if name == "psi":
         ax.axhline(0.0, **THIN)
@@ -52,7 +47,7 @@ def series_of_K(ax: Axes, r: Results, angle: float, name: str, source: str = "co
     """A series for every K: dense full, loose dashed."""
     for packing in TWO:
         for K, colour in SHADES.items():
-            one, label = with_K(r, angle, packing, K, source), f"K = {K:g}, {packing}"
+            one, label = collapse(r, angle, packing, K, source), f"K = {K:g}, {packing}"
             draw_series(ax, one, name, label, color=colour, linestyle=DASHES[packing])
     against_time([ax])
 
@@ -84,7 +79,7 @@ def fig17(r: Results, lab: Laboratory) -> Figure:
         all_K(ax, r, 0, 0.36, name)
     for packing in TWO:
         for K, colour in SHADES.items():
-            one = with_K(r, 0, packing, K, "forces")
+            one = collapse(r, 0, packing, K, "forces")
             ax = axes[1, 1]
             before = len(ax.lines)
             draw_forces(ax, one, 0.36, ("f_press", "f_fric"), linestyle=DASHES[packing])
@@ -158,9 +153,9 @@ def fig21(r: Results, lab: Laboratory) -> Figure:
     """
     figure, axes = sheet(2, 1, 2.4)
     for packing, line in (("dense", "-"), ("loose", ":")):
-        draw_forces(axes[0, 0], with_K(r, 22, packing, K_PAPER, "forces"), 1.2, linestyle=line)
+        draw_forces(axes[0, 0], collapse(r, 22, packing, K_PAPER, "forces"), 1.2, linestyle=line)
     all_K(axes[1, 0], r, 22, 1.2, "psi")
-    ends = [front_of(at(with_K(r, 22, packing, K), 1.2)) for packing in TWO for K in COEFFICIENTS]
+    ends = [front_of(at(collapse(r, 22, packing, K), 1.2)) for packing in TWO for K in COEFFICIENTS]
     for ax in axes.flat:
         ax.set_xlim(min(ends) - 0.15, max(ends) + 0.01)
     axes[0, 0].set_ylim(-0.065, 0.065)

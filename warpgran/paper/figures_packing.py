@@ -25,7 +25,7 @@ from warpgran.paper.panels import (
     sheet,
 )
 from warpgran.paper.picture import picture
-from warpgran.paper.results import ANGLES, DENSE, K_PAPER, LOOSE, PACKINGS, Results, at, collapse
+from warpgran.paper.results import ANGLES, PACKINGS, Results, at, collapse
 
 TWO = ("dense", "loose")
 GIVEN = {0: (0.06, 0.36, 0.48, 0.66), 10: (0.06, 0.36, 0.66, 1.02), 22: (0.06, 0.48, 1.38, 1.8)}  # s
@@ -124,8 +124,8 @@ def fig09(r: Results, lab: Laboratory) -> Figure:
     panels = ((axes[0, 0], "front", "collapses"), (axes[1, 0], "front_speed", "collapses"))
     for ax, name, source in (*panels, (axes[2, 0], "front_speed", "fronts")):
         for angle, colour in zip(ANGLES, shades(4)[::-1], strict=True):
-            for packing, phi in (("dense", DENSE), ("loose", LOOSE)):
-                one = r.run(source, angle=angle, phi=phi, K=K_PAPER)
+            for packing in TWO:
+                one = collapse(r, angle, packing, source=source)
                 label = f"{angle:g}°, {packing}"
                 draw_series(ax, one, name, label, color=colour, linestyle=DASHES[packing])
             (lab.front if name == "front" else lab.front_speed)(ax, angle)
@@ -248,7 +248,7 @@ def fig15(r: Results, lab: Laboratory) -> Figure:
     figure, axes = sheet(2, 2)
     for ax, (angle, t) in zip(axes.flat, ((0, 0.06), (0, 0.36), (22, 0.06), (22, 1.38)), strict=True):
         for packing, line in (("dense", "-"), ("loose", ":")):
-            draw_forces(ax, r.run("forces", angle=angle, **PACKINGS[packing]), t, linestyle=line)
+            draw_forces(ax, collapse(r, angle, packing, source="forces"), t, linestyle=line)
         head(ax, f"{angle}°, $t$ = {t:g} s")
     along(axes)
     return finish(figure, list(axes.flat), 5)

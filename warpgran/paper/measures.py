@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from warpgran.derived import derive, parameter
+from warpgran.paper.results import NotComputedError
 
 Array = np.ndarray[Any, np.dtype[Any]]
 
@@ -53,10 +54,24 @@ def rear(shot: xr.Dataset) -> Array:
     return mass(shot) & (x < x[0] + REAR)
 
 
+def over(shot: xr.Dataset, name: str, where: Array) -> Array:
+    """A field of the result, or derived from it, over some cells.
+
+    Raises:
+        NotComputedError: There are none.
+    """
+    if not where.any():
+        raise NotComputedError("there is no such part of the mass")
+    return field(shot, name)[where]
+
+
 def mean(shot: xr.Dataset, name: str, where: Array) -> float:
-    """Mean of a field of the result, or derived from it, over some cells; NaN if there are none."""
-    values = field(shot, name)[where]
-    return float(values.mean()) if values.size else float("nan")
+    """Mean of a field of the result, or derived from it, over some cells.
+
+    Raises:
+        NotComputedError: There are none.
+    """
+    return float(over(shot, name, where).mean())
 
 
 def field(shot: xr.Dataset, name: str) -> Array:
@@ -82,9 +97,13 @@ def rise(shot: xr.Dataset, length: float = 0.1) -> float:
 
 
 def same_cells(a: xr.Dataset, b: xr.Dataset, name: str) -> tuple[Array, Array]:
-    """A field of two runs on one grid, where either is part of the mass."""
+    """A field of two runs on one grid, where either is part of the mass.
+
+    Raises:
+        NotComputedError: Neither has any.
+    """
     either = mass(a) | mass(b)
-    return field(a, name)[either], field(b, name)[either]
+    return over(a, name, either), over(b, name, either)
 
 
 def slow_regime(t: Array, speed: Array) -> float:

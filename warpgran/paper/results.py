@@ -149,6 +149,17 @@ PACKINGS: dict[str, dict[str, Any]] = {
 ANGLES = (0.0, 10.0, 16.0, 22.0)
 
 
-def collapse(results: Results, angle: float, packing: str) -> xr.Dataset:
-    """One of the paper's three packings ("dense", "loose", "incompressible") on a slope [degrees]."""
-    return results.run("collapses", angle=angle, **PACKINGS[packing])
+def collapse(
+    results: Results, angle: float, packing: str, K: float | None = None, source: str = "collapses"
+) -> xr.Dataset:
+    """One of the paper's three packings on a slope.
+
+    Args:
+        results: Where it is taken from.
+        angle: Of the slope, degrees.
+        packing: "dense", "loose" or "incompressible".
+        K: Another dilation coefficient than the packing's.
+        source: The run file.
+    """
+    where = PACKINGS[packing] if K is None else PACKINGS[packing] | {"K": K}
+    return results.run(source, angle=angle, **where)
