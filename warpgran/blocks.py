@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from warpgran.kernels.precision import Variant
@@ -11,8 +12,9 @@ from warpgran.solver import variant_of
 from warpgran.state import bytes_of_run, most_runs, padded_cells
 from warpgran.sweep import Study
 
-CACHE = 2**20
-"""Bytes of state of a block on a CPU: what stays in the second-level cache of a core while a step walks over it."""
+CACHE = 3 * 2**19
+"""Bytes of state of a block on a CPU, so that what a step visits stays in the second-level cache of a core: about half
+of it with the window, all of it without."""
 
 _VARIANT_KEYS = (
     "rheology.phi_eq", "rheology.phi_eq_N", "scheme.alpha", "scheme.lambda", "scheme.relaxation", "scheme.viscosity",
@@ -70,9 +72,17 @@ def plan(
         room = min(int(memory / max(1, min(threads, len(members))) // size), most, -(-len(members) // threads))
         if on_cpu:
             room = min(room, CACHE // bytes_of_run(padded - 1, Outputs.none(), precision))
-        room = max(1, room)
-        blocks += [Block(tuple(members[k : k + room]), room, padded, variant) for k in range(0, len(members), room)]
+        parts = _evenly(members, max(1, room), threads)
+        blocks += [Block(part, len(parts[0]), padded, variant) for part in parts]
     return blocks
+
+
+def _evenly(runs: Sequence[int], room: int, threads: int) -> list[tuple[int, ...]]:
+    """Cut into parts of at most `room`, as many for each thread, and alike but for one run; the largest comes first."""
+    each = -(-len(runs) // (room * threads))
+    count = min(each * threads, len(runs))
+    ends = [-(-len(runs) * k // count) for k in range(count + 1)]
+    return [tuple(runs[begin:end]) for begin, end in pairwise(ends)]
 
 
 def _kinds(study: Study, runs: Sequence[int], precision: str) -> list[tuple[Variant, int]]:
