@@ -115,11 +115,11 @@ def test_killed_again_and_again_it_loses_nothing(tmp_path: Path) -> None:
     run_to_file(study(**SLOW), tmp_path / "whole.h5", Options())
     code = RUN.format(tests=str(Path(__file__).parent), changes=SLOW, path=str(path))
     rng, counts = random.Random(3), []
-    for attempt in range(13):
+    for attempt in range(10):
         with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
             assert process.stdout is not None and process.stdout.readline()
             try:
-                process.wait(timeout=rng.uniform(0.0, 0.4) if attempt < 12 else None)
+                process.wait(timeout=rng.uniform(0.0, 0.4) if attempt < 9 else None)
             except subprocess.TimeoutExpired:
                 process.kill()
         code_ = process.returncode
