@@ -276,21 +276,6 @@ def test_plot_batch_refuses_what_it_cannot_draw(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_failure_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "page.png"
-    path.write_text("old")
-
-    def half(figure: Figure, part: Path, **options: Any) -> None:
-        part.write_text("half")
-        raise OSError("disk full")
-
-    monkeypatch.setattr(Figure, "savefig", half)
-    with pytest.raises(OSError, match="disk full"):
-        batch_figures.plot_batch(grid(), path)
-    assert path.read_text() == "old"
-    assert [path] == list(tmp_path.iterdir())
-
-
 def test_rank_correlation_by_hand() -> None:
     a = np.array([1.0, 2.0, 3.0, 4.0])
     assert rank_correlation(a, np.exp(a)) == pytest.approx(1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +10,11 @@ import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from collapses import collapse, two_runs
+from collapses import batch, collapse, two_runs
 from matplotlib.figure import Figure
 from PIL import Image
 
-from warpgran import figures
+from warpgran import batch_figures, figures
 from warpgran.drawing import one_run
 
 
@@ -125,7 +126,14 @@ def test_plot_refuses_what_it_cannot_draw(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("plot", "data"),
+    [(figures.plot, collapse()), (batch_figures.plot_batch, batch(slope__angle=[0.0, 22.0]))],
+    ids=["run", "batch"],
+)
+def test_failure_leaves_the_old_file_and_nothing_else(
+    plot: Callable[[xr.Dataset, Path], Path], data: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / "page.png"
     path.write_text("old")
 
@@ -135,7 +143,7 @@ def test_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatc
 
     monkeypatch.setattr(Figure, "savefig", half)
     with pytest.raises(OSError, match="disk full"):
-        figures.plot(collapse(), path)
+        plot(data, path)
     assert path.read_text() == "old"
     assert [path] == list(tmp_path.iterdir())
 
