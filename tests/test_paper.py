@@ -16,7 +16,7 @@ from typer.testing import CliRunner, Result
 from warpgran.case import Case
 from warpgran.cli import app
 from warpgran.jobs import bring_up_to_date
-from warpgran.paper import claims_coefficients, claims_packing, claims_scheme
+from warpgran.paper import claims_coefficients, claims_dilatancy, claims_motion, claims_regime, claims_scheme
 from warpgran.paper.catalogue import CLAIMS, PICTURES, chosen
 from warpgran.paper.claim import Claim
 from warpgran.paper.laboratory import read_laboratory
@@ -89,21 +89,21 @@ def test_dilation_grows_with_the_slope_to_ten_percent(dilation: list[float], hol
     by_angle = dict(zip((0.0, 10.0, 16.0, 22.0), dilation, strict=True))
     bump = np.sin(np.pi * T / 1.8)
     make = lambda name, angle, phi, K: series(volume_change=by_angle[angle] * bump)  # noqa: E731
-    assert verdict(claims_packing.dilation_grows, make) is holds
+    assert verdict(claims_dilatancy.dilation_grows, make) is holds
 
 
 @pytest.mark.parametrize(("lead", "holds"), [(0.002, True), (-0.002, False)])
 def test_the_dense_front_is_ahead(lead: float, holds: bool) -> None:
     late = np.where(T > 1.0, lead, 0.001)  # it counts at any time, here after 1 s
     make = lambda name, angle, phi, K: series(front=0.5 + (late if phi == 0.62 else 0.0))  # noqa: E731
-    assert verdict(claims_packing.dense_front_ahead, make) is holds
+    assert verdict(claims_motion.dense_front_ahead, make) is holds
 
 
 @pytest.mark.parametrize(("loose", "holds"), [(0.10, True), (0.13, False)])
 def test_the_dense_mass_is_thickest(loose: float, holds: bool) -> None:
     height = {(0.62, 4.09): 0.14, (0.62, 0.0): 0.12, (0.55, 4.09): loose}
     make = lambda name, angle, phi, K: series(h_max=height[phi, K])  # noqa: E731
-    assert verdict(claims_packing.thickest_is_dense, make) is holds
+    assert verdict(claims_motion.thickest_is_dense, make) is holds
 
 
 @pytest.mark.parametrize(("factor", "holds"), [(1.0, True), (0.7, False), (1.5, False)])
@@ -111,14 +111,14 @@ def test_stop_times(factor: float, holds: bool) -> None:
     said = {0.0: 0.48, 10.0: 0.66}
     fall = {a: 10.0 ** (-4.0 - 20 * (T - factor * t)) for a, t in said.items()}  # 0.1 mm/s at the paper's instants
     make = lambda name, angle, phi, K: series(v_flow=fall[angle])  # noqa: E731
-    assert verdict(claims_packing.stop_times, make) is holds
+    assert verdict(claims_motion.stop_times, make) is holds
 
 
 def test_a_run_that_diverged_leaves_a_claim_open() -> None:
     def make(name: str, **where: Any) -> xr.Dataset:
         raise NotComputedError("the run with angle = 22 diverged at t = 2 s")
 
-    finding = claims_packing.full_stop.evaluate(Made(make))
+    finding = claims_motion.full_stop.evaluate(Made(make))
     assert (finding.holds, finding.verdict) == (None, "cannot be told")
     assert finding.value == "the run with angle = 22 diverged at t = 2 s"
 
@@ -132,9 +132,9 @@ def test_steady_at_last_or_slowing_on() -> None:
     assert slow_regime(T, half) == pytest.approx(0.5)
     assert np.isnan(slow_regime(T, np.full_like(T, 0.8)))  # it never gets slow
     make = lambda name, angle, phi, K: series(front_speed=steady if K == 4.09 else slowing)  # noqa: E731
-    assert verdict(claims_packing.dense_slow_regime, make) is True
-    assert verdict(claims_packing.no_slow_regime, make) is False  # the loose mass has it too here
-    assert verdict(claims_packing.dense_slow_regime, lambda *a, **b: series(front_speed=slowing)) is False
+    assert verdict(claims_regime.dense_slow_regime, make) is True
+    assert verdict(claims_regime.no_slow_regime, make) is False  # the loose mass has it too here
+    assert verdict(claims_regime.dense_slow_regime, lambda *a, **b: series(front_speed=slowing)) is False
 
 
 def wedge(end: float = 0.3) -> np.ndarray:
@@ -164,8 +164,8 @@ def test_the_front_is_interpolated_at_any_level() -> None:
 def test_contraction_lowers_friction_at_the_front(phi_front: float, holds: bool) -> None:
     phi = np.where(X > 0.25, phi_front, 0.58)  # so slow that phi_eq is phi_stat = 0.582
     late = lambda name, **where: profile(wedge(), 1e-4, phi, times=(0.36, 0.42))  # noqa: E731
-    assert verdict(claims_packing.friction_falls_late, late) is holds
-    assert verdict(claims_packing.friction_rises_at_first, late) is None  # there is no snapshot at 0.06 s
+    assert verdict(claims_dilatancy.friction_falls_late, late) is holds
+    assert verdict(claims_dilatancy.friction_rises_at_first, late) is None  # there is no snapshot at 0.06 s
 
 
 @pytest.mark.parametrize(("top", "holds"), [((0.10, 0.14, 0.12, 0.11), True), ((0.14, 0.13, 0.12, 0.11), False)])

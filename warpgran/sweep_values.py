@@ -14,6 +14,7 @@ import numpy as np
 from warpgran.errors import CaseError, Problem
 from warpgran.sections import Array
 from warpgran.sweep_section import KINDS, MOST_RUNS, SAMPLED, Range, Sweep, key_problem
+from warpgran.tables import TableError, lines_of
 
 _MOST_MESSAGES = 5
 
@@ -74,12 +75,9 @@ def _read_samples(path: Path) -> dict[str, Sequence[Any]]:
         CaseError: The file cannot be used.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise _unusable([f"{path}: is not UTF-8 text"]) from None
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        raise _unusable([f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}"]) from None
-    lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.strip()[0] != "#"]
+        lines = lines_of(path)
+    except TableError as error:
+        raise _unusable(error.messages) from None
     if len(lines) < 2:
         raise _unusable([f"{path}: has no runs; allowed: a header of dotted keys and a row a run"])
     if len(lines) - 1 > MOST_RUNS:

@@ -170,6 +170,21 @@ def _from_mapping(
     return columns, [f"table: row {i + 1}" for i in range(columns["x"].size)]
 
 
+def lines_of(path: Path) -> list[tuple[int, str]]:
+    """The lines of a text file with their numbers, without those that are empty or begin with `#`.
+
+    Raises:
+        TableError: It cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise TableError([f"{path}: is not UTF-8 text"]) from None
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        raise TableError([f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}"]) from None
+    return [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.strip()[0] != "#"]
+
+
 def read_columns(
     path: Path, needed: tuple[str, ...], optional: tuple[str, ...] = ()
 ) -> tuple[dict[str, Array], list[str]]:
@@ -178,15 +193,7 @@ def read_columns(
     Raises:
         TableError: With all that is wrong with the file; what the numbers must be is the caller's to say.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise TableError([f"{path}: is not UTF-8 text"]) from None
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        raise TableError([f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}"]) from None
-    lines = [
-        (number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line.strip()[0] != "#"
-    ]
+    lines = lines_of(path)
     if not lines:
         raise TableError([f"{path}: is empty; allowed: a header {','.join(needed)} and at least 2 rows"])
     # One line at a time: a quote left open then spoils its own line only and line numbers stay right.

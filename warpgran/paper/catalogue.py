@@ -6,7 +6,10 @@ from collections.abc import Sequence
 
 from warpgran.paper import (
     claims_coefficients,
-    claims_packing,
+    claims_dilatancy,
+    claims_forces,
+    claims_motion,
+    claims_regime,
     claims_scheme,
     figures_coefficients,
     figures_packing,
@@ -16,7 +19,10 @@ from warpgran.paper.claim import Claim
 from warpgran.paper.picture import Picture
 
 PICTURES: tuple[Picture, ...] = (*figures_scheme.PICTURES, *figures_packing.PICTURES, *figures_coefficients.PICTURES)
-CLAIMS: tuple[Claim, ...] = (*claims_scheme.CLAIMS, *claims_packing.CLAIMS, *claims_coefficients.CLAIMS)
+CLAIMS: tuple[Claim, ...] = (
+    *claims_scheme.CLAIMS, *claims_motion.CLAIMS, *claims_regime.CLAIMS, *claims_dilatancy.CLAIMS,
+    *claims_forces.CLAIMS, *claims_coefficients.CLAIMS,
+)  # fmt: skip
 
 
 def chosen(names: Sequence[str]) -> tuple[tuple[Picture, ...], tuple[Claim, ...]]:

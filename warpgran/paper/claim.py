@@ -76,3 +76,13 @@ def claim(
         return Claim(name, place, tuple(figures.split()), says, paper, words, judge)
 
     return made
+
+
+def at_angles(values: dict[float, float], form: str = "{:.2f}", unit: str = "") -> str:
+    """Values by slope, in words: `0: 4.2, 22: 10 %`."""
+    return ", ".join(f"{angle:g}: {form.format(value)}" for angle, value in values.items()) + f" {unit}".rstrip()
+
+
+def by_packing(values: dict[str, float], form: str = "{:.2f}", unit: str = "") -> str:
+    """Values by packing, in words."""
+    return ", ".join(f"{name} {form.format(value)}" for name, value in values.items()) + f" {unit}".rstrip()

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from warpgran.drawing import THIN
-from warpgran.paper.figures_packing import TWO, draw_forces
+from warpgran.paper.figures_packing import draw_forces
 from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.measures import front_of
 from warpgran.paper.panels import (
@@ -23,7 +23,7 @@ from warpgran.paper.panels import (
     sheet,
 )
 from warpgran.paper.picture import picture
-from warpgran.paper.results import K_PAPER, Results, at, collapse
+from warpgran.paper.results import K_PAPER, TWO, Results, at, collapse
 
 COEFFICIENTS = (0.0, 1.0, K_PAPER, 8.0)
 SHADES = dict(zip(COEFFICIENTS, shades(4), strict=True))
@@ -52,6 +52,16 @@ def series_of_K(ax: Axes, r: Results, angle: float, name: str, source: str = "co
     against_time([ax])
 
 
+def thickness_and_velocity(r: Results, lab: Laboratory, angle: int, t: float) -> Figure:
+    """Figs. 16 and 19: for every K at one slope and instant."""
+    figure, axes = sheet(1, 2, 2.5)
+    for ax, name in zip(axes.flat, ("h", "v"), strict=True):
+        all_K(ax, r, angle, t, name)
+    lab.profile(axes[0, 0], angle, t)
+    along(axes)
+    return finish(figure, list(axes.flat))
+
+
 @picture
 def fig16(r: Results, lab: Laboratory) -> Figure:
     """Thickness and velocity for four K at 0 degrees.
@@ -59,12 +69,7 @@ def fig16(r: Results, lab: Laboratory) -> Figure:
     (a) Thickness and (b) velocity at 0 degrees and 0.36 s for K = 0, 1, 4.09 and 8, dense (full lines) and loose
     (dashed), no walls.
     """
-    figure, axes = sheet(1, 2, 2.5)
-    for ax, name in zip(axes.flat, ("h", "v"), strict=True):
-        all_K(ax, r, 0, 0.36, name)
-    lab.profile(axes[0, 0], 0, 0.36)
-    along(axes)
-    return finish(figure, list(axes.flat))
+    return thickness_and_velocity(r, lab, 0, 0.36)
 
 
 @picture
@@ -113,12 +118,7 @@ def fig19(r: Results, lab: Laboratory) -> Figure:
     (a) Thickness and (b) velocity at 22 degrees and 0.48 s for K = 0, 1, 4.09 and 8, dense (full lines) and loose
     (dashed), no walls.
     """
-    figure, axes = sheet(1, 2, 2.5)
-    for ax, name in zip(axes.flat, ("h", "v"), strict=True):
-        all_K(ax, r, 22, 0.48, name)
-    lab.profile(axes[0, 0], 22, 0.48)
-    along(axes)
-    return finish(figure, list(axes.flat))
+    return thickness_and_velocity(r, lab, 22, 0.48)
 
 
 @picture

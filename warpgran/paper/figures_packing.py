@@ -25,9 +25,8 @@ from warpgran.paper.panels import (
     sheet,
 )
 from warpgran.paper.picture import picture
-from warpgran.paper.results import ANGLES, PACKINGS, Results, at, collapse
+from warpgran.paper.results import ANGLES, PACKINGS, TWO, Results, at, collapse
 
-TWO = ("dense", "loose")
 GIVEN = {0: (0.06, 0.36, 0.48, 0.66), 10: (0.06, 0.36, 0.66, 1.02), 22: (0.06, 0.48, 1.38, 1.8)}  # s
 FORCES = {
     "f_acc": ("#e69f00", r"$f_\mathrm{acc}$"),

@@ -146,6 +146,9 @@ PACKINGS: dict[str, dict[str, Any]] = {
     "loose": {"phi": LOOSE, "K": K_PAPER},
     "incompressible": {"phi": DENSE, "K": 0.0},
 }
+THREE = tuple(PACKINGS)
+TWO = ("dense", "loose")
+"""The packings, and those that dilatancy acts on."""
 ANGLES = (0.0, 10.0, 16.0, 22.0)
 
 
