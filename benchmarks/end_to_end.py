@@ -14,10 +14,13 @@ from typing import Any
 import numpy as np
 from work import Array, Round, Work, column
 
-from warpgran.jobs import run_to_file
-from warpgran.results import Layout, MemoryResults
-from warpgran.simulation import Options, Outcome, Sink, compute
-from warpgran.sweep import Study
+from warpgran.case.study import Study
+from warpgran.results.in_memory import MemoryResults
+from warpgran.results.layout import Layout
+from warpgran.run.options import Options
+from warpgran.run.outcome import Outcome, Sink
+from warpgran.run.threads import compute
+from warpgran.run.to_file import run_to_file
 
 END = 0.3  # s
 
@@ -78,7 +81,7 @@ def whole_run(runs: int) -> dict[str, float]:
 
 
 def _start_up() -> float:
-    code = "import warpgran.cli, warpgran.jobs; from warpgran.device import start_quietly; start_quietly()"
+    code = "import warpgran.cli.app, warpgran.run.to_file, warpgran.solve.device as device; device.start_quietly()"
     began = time.perf_counter()
     subprocess.run([sys.executable, "-c", code], check=True)
     return time.perf_counter() - began

@@ -19,9 +19,9 @@ from typing import Any
 
 import warp as wp
 
-from warpgran.device import start_quietly
 from warpgran.kernels.build import build
 from warpgran.kernels.precision import Variant
+from warpgran.solve.device import start_quietly
 
 ARCH = 90
 KERNELS = ("decode", "fill", "limits", "reconstruct", "flux", "update", "relax", "diffuse")

@@ -30,14 +30,15 @@ from stages import stages
 from visit import Visit
 from work import Crews, Moving, Precision, Work, column
 
-from warpgran.blocks import Block
-from warpgran.case import Case
-from warpgran.device import DeviceError, find_device, free_memory_of, start_quietly
-from warpgran.outputs import Outputs
-from warpgran.simulation import simulate
-from warpgran.solver import CHUNK, LANES, Solver, variant_of
-from warpgran.state import bytes_of_run, most_runs, padded_cells
-from warpgran.storage import StorageError
+from warpgran.case.case import Case
+from warpgran.files import StorageError
+from warpgran.run.simulate import simulate
+from warpgran.solve.blocks import Block
+from warpgran.solve.device import DeviceError, find_device, free_memory_of, start_quietly
+from warpgran.solve.schedule import Outputs
+from warpgran.solve.solver import CHUNK, LANES, Solver
+from warpgran.solve.state import bytes_of_run, most_runs, padded_cells
+from warpgran.solve.variant import variant_of
 
 PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 WARM_UP = 20

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from warpgran.case import Case
+from warpgran.case.case import Case
 
 Array = np.ndarray
 

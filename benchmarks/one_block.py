@@ -19,7 +19,7 @@ import warp as wp
 from stages import launches
 
 from warpgran.kernels.precision import CAREFUL, module
-from warpgran.solver import Solver
+from warpgran.solve.solver import Solver
 
 
 class OneBlock:

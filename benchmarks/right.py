@@ -10,9 +10,9 @@ from report import heading
 from visit import Visit
 from work import Precision, column
 
-from warpgran.case import Case
-from warpgran.engines import run_kernels, run_reference
-from warpgran.solver import Solver
+from warpgran.case.case import Case
+from warpgran.solve.engines import run_kernels, run_reference
+from warpgran.solve.solver import Solver
 
 TOLERANCE: dict[Precision, float] = {"float64": 1e-10, "float32": 1e-4}
 """Largest difference allowed of h/h0, v/sqrt(g h0) and phi over a short collapse."""

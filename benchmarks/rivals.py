@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from work import Array, Crews, Moving, Round, Work
 
-from warpgran.reference import Reference
+from warpgran.physics.reference import Reference
 
 STEPS = 100
 CHECKED = 50

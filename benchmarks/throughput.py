@@ -21,7 +21,7 @@ from rivals import NUMBA, NUMPY, rivals
 from stages import divider, stages
 from work import Crews, Precision, Work, measured, median_ratio
 
-from warpgran.device import start_quietly
+from warpgran.solve.device import start_quietly
 
 CELLS = (500, 1000, 4000, 16_000)
 RUNS = (1, 16, 64, 512)

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from warpgran.storage import replacing
+from warpgran.files import replacing
 
 
 class Visit:

@@ -16,12 +16,12 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 import warp as wp
 
-from warpgran.blocks import Block, plan
-from warpgran.case import Case
-from warpgran.outputs import Outputs
-from warpgran.simulation import Options
-from warpgran.solver import Solver
-from warpgran.sweep import Study
+from warpgran.case.case import Case
+from warpgran.case.study import Study
+from warpgran.run.options import Options
+from warpgran.solve.blocks import Block, plan
+from warpgran.solve.schedule import Outputs
+from warpgran.solve.solver import Solver
 
 T_START = 0.1
 """Time [s] from which steps are measured: the column has begun to move."""

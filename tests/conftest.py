@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-sys.path.insert(0, str(Path(__file__).parent))  # so that tests import tests/cases.py by its name
+sys.path.insert(0, str(Path(__file__).parent))  # so that tests import tests/helpers
 
-from cases import DEVICES
+from helpers.cases import DEVICES
 
 settings.register_profile("fixed", derandomize=True, deadline=None, print_blob=True)
 settings.load_profile("fixed")

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import re
 import tomllib
-from pathlib import Path
 from typing import Any
 
-from warpgran.case import Case
-from warpgran.paper.catalogue import CLAIMS
-from warpgran.runfile import plain
-from warpgran.sections import ALLOWED, SECTIONS, Model
-from warpgran.sweep import Sweep
+from helpers.places import ROOT
 
-ROOT = Path(__file__).parent.parent
+from warpgran.case.case import Case
+from warpgran.case.sections import ALLOWED, SECTIONS, Model
+from warpgran.case.sweep_section import Sweep
+from warpgran.case.toml import plain
+from warpgran.paper.catalogue import CLAIMS
+
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 

@@ -15,23 +15,61 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warpgran.case import Case
-    from warpgran.derived import derive
-    from warpgran.errors import CaseError
-    from warpgran.momentum import forces
-    from warpgran.simulation import simulate
-    from warpgran.storage import open_dataset
-
-__all__ = ["Case", "CaseError", "derive", "forces", "open_dataset", "simulate"]
+    from warpgran.analysis.fields import derive
+    from warpgran.analysis.forces import forces
+    from warpgran.analysis.summary import summary
+    from warpgran.case.case import Case
+    from warpgran.case.problems import CaseError
+    from warpgran.case.read_study import read_study
+    from warpgran.case.study import Study
+    from warpgran.case.tables import TableError
+    from warpgran.errors import OptionError, ResultError, WarpgranError
+    from warpgran.figures.one_run import plot
+    from warpgran.files import StorageError
+    from warpgran.results.reading import open_dataset
+    from warpgran.run.cluster import ClusterError
+    from warpgran.run.simulate import simulate
+    from warpgran.solve.device import DeviceError
 
 _HOME = {
-    "Case": "case",
-    "CaseError": "errors",
-    "derive": "derived",
-    "forces": "momentum",
-    "open_dataset": "storage",
-    "simulate": "simulation",
+    "Case": "case.case",
+    "CaseError": "case.problems",
+    "ClusterError": "run.cluster",
+    "DeviceError": "solve.device",
+    "OptionError": "errors",
+    "ResultError": "errors",
+    "StorageError": "files",
+    "Study": "case.study",
+    "TableError": "case.tables",
+    "WarpgranError": "errors",
+    "derive": "analysis.fields",
+    "forces": "analysis.forces",
+    "open_dataset": "results.reading",
+    "plot": "figures.one_run",
+    "read_study": "case.read_study",
+    "simulate": "run.simulate",
+    "summary": "analysis.summary",
 }
+
+__all__ = [
+    "Case",
+    "CaseError",
+    "ClusterError",
+    "DeviceError",
+    "OptionError",
+    "ResultError",
+    "StorageError",
+    "Study",
+    "TableError",
+    "WarpgranError",
+    "derive",
+    "forces",
+    "open_dataset",
+    "plot",
+    "read_study",
+    "simulate",
+    "summary",
+]
 
 
 def __getattr__(name: str) -> Any:
@@ -42,4 +80,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return sorted({*globals(), *_HOME})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from warpgran.errors import OptionError
 from warpgran.paper import (
     claims_coefficients,
     claims_dilatancy,
@@ -29,12 +30,12 @@ def chosen(names: Sequence[str]) -> tuple[tuple[Picture, ...], tuple[Claim, ...]
     """The pictures of these names and the claims that they show; all if no name is given.
 
     Raises:
-        ValueError: With all the names that there are, if one is not among them.
+        OptionError: With all the names that there are, if one is not among them.
     """
     known = [picture.name for picture in PICTURES]
     unknown = [name for name in names if name not in known]
     if unknown:
-        raise ValueError(f"{', '.join(unknown)}: no such figure; allowed: {', '.join(known)}")
+        raise OptionError(f"{', '.join(unknown)}: no such figure; allowed: {', '.join(known)}")
     if not names:
         return PICTURES, CLAIMS
     pictures = tuple(picture for picture in PICTURES if picture.name in names)

@@ -5,10 +5,20 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from warpgran.derived import parameter
-from warpgran.keys import rank_correlation
+from warpgran.analysis.correlation import rank_correlation
+from warpgran.analysis.fields import parameter
+from warpgran.arrays import Array
 from warpgran.paper.claim import Finding, claim
-from warpgran.paper.measures import Array, field, front_of, front_zone, mass, mean, over, rear, same_cells
+from warpgran.paper.measures import (
+    field,
+    front_of,
+    front_zone,
+    mass,
+    mean,
+    over,
+    rear,
+    same_cells,
+)
 from warpgran.paper.results import K_PAPER, Results, at, collapse
 
 FOUR = (0.0, 1.0, K_PAPER, 8.0)

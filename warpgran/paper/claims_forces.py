@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpgran.momentum import forces
+from warpgran.analysis.forces import forces
 from warpgran.paper.claim import Finding, by_packing, claim
 from warpgran.paper.measures import mass, moving
 from warpgran.paper.results import TWO, Results, at, collapse

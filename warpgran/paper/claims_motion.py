@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from warpgran.derived import parameter
+from warpgran.analysis.fields import parameter
 from warpgran.paper.claim import Finding, at_angles, by_packing, claim
 from warpgran.paper.measures import GRAIN_TENTH, REST_SPEED, front_of, front_zone, mass, mean, moving, over, solid_share
 from warpgran.paper.results import ANGLES, THREE, TWO, Results, at, collapse

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from warpgran.derived import parameter
+from warpgran.analysis.fields import parameter
 from warpgran.paper.claim import Finding, claim
 from warpgran.paper.measures import GRAIN_TENTH, front_of, mass, over, rise, same_cells
 from warpgran.paper.results import Results, at, collapse

@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.drawing import THIN
+from warpgran.figures.style import THIN
 from warpgran.paper.figures_packing import draw_forces
 from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.measures import front_of

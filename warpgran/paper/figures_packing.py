@@ -9,8 +9,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.drawing import THIN
-from warpgran.momentum import forces
+from warpgran.analysis.forces import forces
+from warpgran.figures.style import THIN
 from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.measures import mass
 from warpgran.paper.panels import (

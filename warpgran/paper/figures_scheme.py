@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.derived import derive
-from warpgran.drawing import THIN, number
+from warpgran.analysis.fields import derive
+from warpgran.figures.style import THIN, number
 from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.measures import front_of
 from warpgran.paper.panels import LABELS, STYLES, X_LABEL, Style, along, draw_profile, finish, head, shades, sheet

@@ -19,9 +19,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from warpgran.tables import TableError, read_columns
-
-Array = np.ndarray[Any, np.dtype[np.float64]]
+from warpgran.arrays import Array
+from warpgran.case.tables import TableError, read_columns
 
 COLUMNS = {
     "profiles": ("angle", "t", "x", "h"),

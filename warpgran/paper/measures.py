@@ -6,15 +6,12 @@ The mass is where h > h_front (1 mm), as for the front and the volume of the ser
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
-from warpgran.derived import derive, parameter
+from warpgran.analysis.fields import derive, parameter
+from warpgran.arrays import Array
 from warpgran.paper.results import NotComputedError
-
-Array = np.ndarray[Any, np.dtype[Any]]
 
 FRONT_ZONE = 0.05  # m
 REAR = 0.10  # m

@@ -11,7 +11,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.drawing import FRONT_LABEL, THIN, TIME_LABEL, WIDTH, letter
+from warpgran.figures.style import FRONT_LABEL, THIN, TIME_LABEL, WIDTH, letter
 from warpgran.paper.measures import field, mass
 
 X_LABEL = "position along the slope $x$ (m)"

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from warpgran.page import Page
+from warpgran.figures.page import Page
+from warpgran.files import replacing
 from warpgran.paper.claim import Claim, Finding
 from warpgran.paper.picture import Picture
 from warpgran.paper.remarks import REMARKS
 from warpgran.paper.settings import AS_PAPER, DEFAULTS, SETTINGS
-from warpgran.storage import replacing
 
 Judged = tuple[Claim, dict[str, Finding]]
 """A claim and what came of it by setting."""

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from matplotlib import rc_context
 
-from warpgran.drawing import STYLE
-from warpgran.page import Page
+from warpgran.figures.page import Page
+from warpgran.figures.style import STYLE
+from warpgran.files import replacing
 from warpgran.paper.catalogue import chosen
 from warpgran.paper.claim import Finding
 from warpgran.paper.laboratory import Laboratory
@@ -17,8 +18,7 @@ from warpgran.paper.picture import Picture
 from warpgran.paper.report import Judged, counted, put_claims, put_picture, put_sources, write_csv
 from warpgran.paper.results import Computed, Results
 from warpgran.paper.settings import DEFAULTS, SETTINGS, Setting
-from warpgran.simulation import Options
-from warpgran.storage import replacing
+from warpgran.run.options import Options
 
 Progress = Callable[[str, int, float], None]
 Tell = Callable[[str], None]

@@ -10,12 +10,13 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
-from warpgran.jobs import bring_up_to_date
+from warpgran.case.read_study import read_study
+from warpgran.case.study import Study
 from warpgran.paper.settings import Setting
+from warpgran.results.reading import open_dataset
+from warpgran.run.options import Options
+from warpgran.run.to_file import bring_up_to_date
 from warpgran.schema import Status
-from warpgran.simulation import Options
-from warpgran.storage import open_dataset
-from warpgran.sweep import Study, read_study
 
 LOOSE, DENSE = 0.55, 0.62  # initial volume fractions
 K_PAPER = 4.09

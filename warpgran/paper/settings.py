@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from warpgran.case import Case
+from warpgran.case.case import Case
+from warpgran.errors import OptionError
 
 PRECURSOR = 1e-5  # m, of the layer that the paper's viscosity needs
 
@@ -62,10 +63,10 @@ def setting_named(name: str) -> Setting:
     """A setting by its name.
 
     Raises:
-        ValueError: There is none such; the message says which there are.
+        OptionError: There is none such; the message says which there are.
     """
     for setting in SETTINGS:
         if setting.name == name:
             return setting
     allowed = ", ".join(setting.name for setting in SETTINGS)
-    raise ValueError(f"setting: {name!r} is not known; allowed: {allowed}")
+    raise OptionError(f"setting: {name!r} is not known; allowed: {allowed}")

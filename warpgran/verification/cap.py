@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpgran import exact
-from warpgran.case import Case
+from warpgran.case.case import Case
+from warpgran.verification import exact
 from warpgran.verification.grids import PHI, Computed, G, coulomb, falling, of_constant_phi, starting_from, study
 from warpgran.verification.outcome import Outcome, Setting, paragraphs
 from warpgran.verification.plots import against_exact

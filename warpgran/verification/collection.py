@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 
+from warpgran.errors import OptionError
 from warpgran.verification import cap, columns, convergence, dams, jumps, manufactured, properties, rest, uniform
 from warpgran.verification.outcome import Check, Outcome, Row, Setting
 from warpgran.verification.plots import style
@@ -33,14 +34,14 @@ def chosen(names: Sequence[str], deep: bool = False) -> dict[str, Check]:
     """Cases by name, in the order of the collection: those named, or all; the long ones with `deep`.
 
     Raises:
-        ValueError: A name is not one of a case.
+        OptionError: A name is not one of a case.
     """
     known = CASES | DEEP
     for name in names:
         if name not in known:
             near = get_close_matches(name.lower(), known, n=1)
             hint = f"did you mean {near[0]}? " if near else ""
-            raise ValueError(f"{name!r} is not a case; {hint}allowed: {', '.join(known)}")
+            raise OptionError(f"{name!r} is not a case; {hint}allowed: {', '.join(known)}")
     wanted = set(names) | (set(DEEP) if deep else set()) if names else set(known if deep else CASES)
     return {name: check for name, check in known.items() if name in wanted}
 

@@ -12,13 +12,13 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.case import Case
-from warpgran.drawing import STYLE, WIDTH, letter
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.figures.style import STYLE, WIDTH, letter
+from warpgran.run.options import Precision
+from warpgran.run.simulate import simulate
 from warpgran.schema import Status
-from warpgran.simulation import Precision, simulate
 from warpgran.verification.outcome import Outcome, Row
-
-Array = np.ndarray
 
 LENGTH = 0.2
 """Of the columns, l_0, m."""

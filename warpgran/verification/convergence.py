@@ -12,9 +12,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.case import Case
-from warpgran.drawing import STYLE, WIDTH, letter
-from warpgran.simulation import Precision, simulate
+from warpgran.case.case import Case
+from warpgran.figures.style import STYLE, WIDTH, letter
+from warpgran.run.options import Precision
+from warpgran.run.simulate import simulate
 from warpgran.verification.outcome import Outcome, Row
 
 CELLS = (250, 500, 1000, 2000, 4000, 8000)

@@ -8,9 +8,18 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from warpgran import exact
-from warpgran.case import Case
-from warpgran.verification.grids import PHI, Array, G, coulomb, falling, of_constant_phi, starting_from, study
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.verification import exact
+from warpgran.verification.grids import (
+    PHI,
+    G,
+    coulomb,
+    falling,
+    of_constant_phi,
+    starting_from,
+    study,
+)
 from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import against_exact
 
@@ -137,7 +146,7 @@ def braked(setting: Setting) -> Outcome:
         {times[0]:.3g} s and by {100 * later:.1f} % at {times[1]:.3g} s.
 
         The exact solution is computed by the hodograph transform, in which the equations are linear
-        (warpgran.exact.BrakedDam); it conserves mass to 2e-6. The mass begins to stop at its upper end, x =
+        (exact.BrakedDam); it conserves mass to 2e-6. The mass begins to stop at its upper end, x =
         {solution.edge:.3f} m, after {solution.arrest:.3f} s, and every point keeps the thickness at which it
         stopped. On coarse grids the thin front overshoots and stops late, for the reason that the sliding cap shows.
         This asks of the scheme all that a granular collapse does: a static mass that yields, a dry front, and

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from warpgran.case import Case
-from warpgran.exact import Flow
-from warpgran.simulation import simulate
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.run.simulate import simulate
+from warpgran.verification.exact import Flow
 from warpgran.verification.outcome import Row, Setting
 
-Array = np.ndarray
 Fields = tuple[Array, Array, Array]
 Exact = Callable[[Array, float], Fields]
 """h [m], v [m/s], phi at places x [m] and a time t [s]."""

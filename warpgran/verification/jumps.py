@@ -6,10 +6,18 @@ from functools import partial
 
 import numpy as np
 
-from warpgran import exact
-from warpgran.case import Case
-from warpgran.exact import Uniform
-from warpgran.verification.grids import Array, Fields, G, computed, coulomb, starting_from, study
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.verification import exact
+from warpgran.verification.exact import Uniform
+from warpgran.verification.grids import (
+    Fields,
+    G,
+    computed,
+    coulomb,
+    starting_from,
+    study,
+)
 from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import against_exact
 
@@ -57,7 +65,7 @@ def riemann(setting: Setting) -> Outcome:
     text = paragraphs("""
         Two uniform states that meet at x = 0, without friction and dilatancy. phi is carried with the mass, and the
         pressure is g_c phi h^2/2 (the system of Ripa, 1993): between two outer waves stands a contact, where h and
-        phi jump and v and the pressure do not. The exact solver iterates on the pressure (warpgran.exact.riemann).
+        phi jump and v and the pressure do not. The exact solver iterates on the pressure (exact.riemann).
 
         Shocks and fans give an order between 1/2 and 1 in h and h v: asked is 1/2. phi jumps at the contact alone,
         which a first-order scheme spreads over a width that goes as sqrt(dx): 1/2 is what can be expected in L1, not

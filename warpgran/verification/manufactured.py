@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from warpgran.case import Case
-from warpgran.reference import Fields, friction, phi_equilibrium, shear
-from warpgran.solver import Solver
-from warpgran.verification.grids import Array, Computed, Study, starting_from
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.physics.laws import phi_equilibrium, shear
+from warpgran.physics.reference import Fields, friction
+from warpgran.solve.solver import Solver
+from warpgran.verification.grids import Computed, Study, starting_from
 from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import against_exact
 

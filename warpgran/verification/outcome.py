@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from matplotlib.figure import Figure
 
-from warpgran.simulation import Precision
+from warpgran.run.options import Precision
 
 
 @dataclass(frozen=True)

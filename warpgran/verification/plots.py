@@ -11,7 +11,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.drawing import STYLE, WIDTH, letter
+from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.verification.grids import Study
 from warpgran.verification.outcome import Row
 

@@ -13,9 +13,10 @@ import numpy as np
 import xarray as xr
 from scipy.stats import qmc
 
-from warpgran.case import Case
+from warpgran.case.case import Case
+from warpgran.run.options import Precision
+from warpgran.run.simulate import simulate
 from warpgran.schema import Status
-from warpgran.simulation import Precision, simulate
 from warpgran.verification.outcome import Outcome, Row
 from warpgran.verification.space import AXES, SCALES, case_at
 

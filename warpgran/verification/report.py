@@ -11,8 +11,8 @@ from pathlib import Path
 
 from rich.table import Table
 
-from warpgran.page import Page
-from warpgran.storage import replacing
+from warpgran.figures.page import Page
+from warpgran.files import replacing
 from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import style
 

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from warpgran.case import Case
-from warpgran.drawing import TIME_LABEL
-from warpgran.simulation import Precision, simulate
-from warpgran.verification.grids import Array, computed, coulomb, falling, starting_from
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.figures.style import TIME_LABEL
+from warpgran.run.options import Precision
+from warpgran.run.simulate import simulate
+from warpgran.verification.grids import computed, coulomb, falling, starting_from
 from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import COLOURS, MARKS, panels
 

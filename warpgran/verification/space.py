@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from warpgran.case import Case
-from warpgran.checks import MOST_RELAXATION
-from warpgran.solver import SINGLE_ALPHA
+from warpgran.case.between_keys import MOST_RELAXATION
+from warpgran.case.case import Case
+from warpgran.solve.variant import SINGLE_ALPHA
 
 
 @dataclass(frozen=True)

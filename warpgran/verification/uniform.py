@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from warpgran import exact
-from warpgran.case import Case
-from warpgran.drawing import TIME_LABEL
-from warpgran.reference import Fields, friction, phi_equilibrium, shear
-from warpgran.verification.grids import Array, G, computed, falling, starting_from
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.figures.style import TIME_LABEL
+from warpgran.physics.laws import phi_equilibrium, shear
+from warpgran.physics.reference import Fields, friction
+from warpgran.verification import exact
+from warpgran.verification.grids import G, computed, falling, starting_from
 from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import COLOURS, LABELS, MARKS, errors, panels
 
@@ -64,7 +66,7 @@ def relaxation(setting: Setting) -> Outcome:
         A uniform layer of phi h = {100 * mass:g} cm and phi = {phi_0:g}, below the equilibrium, slides at {v:g} m/s
         on a horizontal bed with mu1 = mu2 = 0. Its friction max(0, tan(psi)) is 0, since it contracts, so that v
         stays as it is, and the whole scheme comes down to the dilatancy law phi' = -phi gamma K (phi - phi_eq(I)).
-        At a given mass and velocity that is solved in closed form (warpgran.exact.dilatancy).
+        At a given mass and velocity that is solved in closed form (warpgran.verification.exact.dilatancy).
 
         The step (3.17), and (3.18) too, takes gamma, I and phi_eq from its beginning: first order in dt, hence in dx
         by the CFL condition; 0.9 is asked. The coarse grids take only about ten steps in the time in which phi gets

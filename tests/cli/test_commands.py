@@ -1,0 +1,201 @@
+"""The command line as a user meets it: what it writes, says, and refuses."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+import warpgran as wg
+from warpgran.cli.app import app
+from warpgran.schema import Status
+
+QUICK = """
+title = "Quick"
+[slope]
+angle = 22.0
+[grid]
+right = 0.6
+cells = 200
+[time]
+end = 0.2
+snapshots = { every = 0.05 }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder, with a quick run file in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "quick.toml").write_text(QUICK)
+    return tmp_path
+
+
+def warpgran(*arguments: str) -> Result:
+    return CliRunner().invoke(app, arguments)
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_run_writes_a_file_and_a_picture_and_says_so(folder: Path) -> None:
+    result = warpgran("run", "quick.toml")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.splitlines()[-1] == "wrote quick.h5 and quick.png"
+    assert "million cell-steps" in result.stdout
+    assert all(word in result.stdout for word in ("Quick", "front", "max h", "volume", "stop"))
+    assert result.stderr == ""  # no progress bar where there is no terminal
+    assert names(folder) == ["quick.h5", "quick.png", "quick.toml"]
+    data = wg.open_dataset("quick.h5")
+    assert data.attrs["run_file"] == QUICK
+    assert int(data["status"][0]) == Status.OK
+
+
+def test_both_engines_write_the_same_result(folder: Path) -> None:
+    for engine in ("warp", "numpy"):
+        assert warpgran("run", "quick.toml", "--engine", engine, "-o", f"{engine}.h5", "--no-picture").exit_code == 0
+    ours, theirs = wg.open_dataset("warp.h5"), wg.open_dataset("numpy.h5")
+    for name in ("h", "v", "phi", "front", "energy", "steps"):
+        assert float(abs(ours[name] - theirs[name]).max()) <= 1e-10, name
+
+
+def test_options_reach_the_run(folder: Path) -> None:
+    result = warpgran("run", "quick.toml", "--set", "slope.angle=5", "--set", "time.snapshots=[0.2]",
+                      "--precision", "float32", "-o", "other.h5", "--no-picture")  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert names(folder) == ["other.h5", "quick.toml"]
+    data = wg.open_dataset("other.h5")
+    assert data.attrs["precision"] == "float32"
+    assert "angle = 5.0" in data.attrs["case_toml"]
+    assert data.sizes["time"] == 1
+
+
+def test_plot_and_animate(folder: Path) -> None:
+    warpgran("run", "quick.toml", "--no-picture")
+    assert warpgran("plot", "quick.h5", "-o", "p.svg").stdout == "wrote p.svg\n"
+    assert warpgran("animate", "quick.h5").stdout == "wrote quick.gif\n"
+    assert names(folder) == ["p.svg", "quick.gif", "quick.h5", "quick.toml"]
+
+
+def test_check_says_what_a_run_asks_for(folder: Path) -> None:
+    result = warpgran("check", "quick.toml")
+    assert result.exit_code == 0
+    assert "200 cells of 4 mm" in result.stdout
+    assert "5 snapshots and 21 samples" in result.stdout
+    assert names(folder) == ["quick.toml"]
+
+
+def test_info_names_the_devices(folder: Path) -> None:
+    result = warpgran("info")
+    assert result.exit_code == 0
+    assert re.search(
+        r"device cpu: .* GiB: runs of 1000 cells that fit: [\d,]+ in float64, [\d,]+ in float32", result.stdout
+    )
+
+
+def test_a_diverged_run_is_told_and_kept(folder: Path) -> None:
+    diverging = ("--set", "scheme.viscosity=paper", "--set", "rheology.K=0", "--set", "time.series=[0, 0.001, 0.2]")
+    result = warpgran("run", "quick.toml", *diverging)
+    assert result.exit_code == 1
+    assert "run 0 diverged after t = " in result.stderr
+    assert "phi outside (0, 1]" in result.stderr
+    assert "diverged" in result.stdout
+    assert int(wg.open_dataset("quick.h5")["status"][0]) == Status.DIVERGED
+
+
+def test_the_step_limit_is_told_and_kept(folder: Path) -> None:
+    result = warpgran("run", "quick.toml", "--set", "time.step_limit=5")
+    assert result.exit_code == 1
+    assert "step_limit" in result.stdout
+    assert int(wg.open_dataset("quick.h5")["steps"][0]) == 5
+
+
+BAD = [
+    (["run", "quick.toml", "--set", "slope.angel=3"], "slope.angel: unknown key; did you mean slope.angle?"),
+    (["run", "quick.toml", "--set", "rheology.mu1=-0.3"], "rheology.mu1: -0.3"),
+    (["run", "quick.toml", "--set", "rheology.K=nan"], "rheology.K"),
+    (["run", "quick.toml", "--set", "time.end=soon"], "time.end"),
+    (["run", "quick.toml", "--set", "slope.bed=missing.csv"], "missing.csv"),
+    (["run", "quick.toml", "--set", "slope.bed=quick.toml"], "slope.bed"),
+    (["run", "quick.toml", "--set", "column.start=0.55"], "column"),
+    (["run", "absent.toml"], "absent.toml"),
+    (["run", "quick.toml", "-o", "absent/out.h5"], "cannot write absent/out.h5"),
+    (["run", "quick.toml", "-o", "."], "it is a folder"),
+    (["run", "quick.toml", "--device", "cuda:7"], "'cuda:7' is not on this machine; there is: cpu"),
+    (["run", "quick.toml", "--device", "tpu"], "'tpu' is not on this machine; there is: cpu"),
+    (["run", "quick.toml", "--engine", "numpy", "--precision", "float32"], "numpy computes"),
+    (["run", "quick.toml", "--precision", "float16"], "float16"),
+    (["check", "absent.toml"], "absent.toml"),
+    (["plot", "absent.h5"], "there is no such file"),
+    (["plot", "quick.toml"], "not an HDF5 file"),
+    (["animate", "absent.h5"], "there is no such file"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "words"), BAD, ids=[" ".join(arguments) for arguments, _ in BAD])
+def test_bad_input_is_refused_in_a_line(folder: Path, arguments: list[str], words: str) -> None:
+    result = warpgran(*arguments)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert "Traceback" not in result.output
+    assert isinstance(result.exception, SystemExit)
+    assert names(folder) == ["quick.toml"]
+
+
+def test_all_errors_are_told_at_once(folder: Path) -> None:
+    result = warpgran("run", "quick.toml", "--set", "slope.angel=3", "--set", "time.end=-1", "--set", "grid.cells=0.5")
+    lines = result.stderr.splitlines()
+    assert len(lines) == 3
+    assert all(line.startswith("warpgran: ") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"), [("run=3", "run 3"), ("suffix", "must end in .png"), ("few", "snapshots = { every")]
+)
+def test_a_picture_that_cannot_be_made(folder: Path, change: str, words: str) -> None:
+    warpgran("run", "quick.toml", "--no-picture", "--set", "time.snapshots=[0.2]")
+    arguments = {
+        "run=3": ("plot", "quick.h5", "--run", "3"),
+        "suffix": ("plot", "quick.h5", "-o", "quick.doc"),
+        "few": ("animate", "quick.h5"),
+    }[change]
+    result = warpgran(*arguments)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert names(folder) == ["quick.h5", "quick.toml"]
+
+
+def test_debug_shows_the_traceback(folder: Path) -> None:
+    assert isinstance(warpgran("--debug", "run", "absent.toml").exception, wg.CaseError)
+
+
+LONG = QUICK.replace("end = 0.2", "end = 100000.0").replace("every = 0.05 }", "every = 1.0 }\nseries = []")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends a POSIX signal")
+def test_an_interrupted_run_keeps_what_it_had(folder: Path) -> None:
+    (folder / "long.toml").write_text(LONG)
+    command = [sys.executable, "-c", "from warpgran.cli.app import main; main()", "run", "long.toml", "--no-picture"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        while not (folder / "long.h5.part").exists():
+            time.sleep(0.05)
+        time.sleep(3.0)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130, errors
+    assert "interrupted at t = " in errors
+    assert names(folder) == ["long.h5", "long.toml", "quick.toml"]
+    data = wg.open_dataset("long.h5")
+    assert int(data["status"][0]) == Status.INTERRUPTED
+    reached = float(data["end_time"][0])
+    stored = data["time"][data["h"][0].notnull().all("cell")]
+    assert 10.0 < reached < 100_000.0
+    assert reached - 2.0 < float(stored[-1]) <= reached

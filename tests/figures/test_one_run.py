@@ -1,0 +1,172 @@
+"""The figure of one run, on results made by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+from helpers.collapses import batch, collapse, two_runs
+from matplotlib.figure import Figure
+from PIL import Image
+
+from warpgran.figures import batch as batch_figures
+from warpgran.figures import one_run as figures
+from warpgran.figures.style import one_run
+
+
+def page(data: xr.Dataset, run: int = 0) -> Figure:
+    """The page before it is written."""
+    return figures._page(one_run(data, run))
+
+
+def heading(figure: Figure) -> str:
+    return figure.get_suptitle()
+
+
+@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
+def test_plot_writes_only_the_picture(tmp_path: Path, suffix: str) -> None:
+    path = figures.plot(collapse(), tmp_path / f"page{suffix}")
+    assert [path] == list(tmp_path.iterdir())
+    assert path.stat().st_size > 10_000
+
+
+def test_plot_is_a_page_wide(tmp_path: Path) -> None:
+    with Image.open(figures.plot(collapse(), tmp_path / "page.png")) as picture:
+        assert picture.width == pytest.approx(180 / 25.4 * 200, abs=1)
+
+
+def test_page_names_quantities_symbols_and_units() -> None:
+    figure = page(collapse())
+    labels = [ax.get_ylabel() for ax in figure.axes]
+    assert [ax.get_title(loc="left") for ax in figure.axes] == [f"({c})" for c in "aebfcgdh"]
+    assert labels[::2] == [panel.label for panel in figures.PROFILES]
+    assert labels[1::2] == [panel.label for panel in figures.SERIES]
+    assert all("$" in label and label.endswith(")") for label in labels)
+    assert [ax.get_xlabel() for ax in figure.axes[-2:]] == ["position along the slope $x$ (m)", "time $t$ (s)"]
+    assert heading(figure).splitlines() == [
+        "Dense column, 22 degrees",
+        r"$\theta$ = $22$°, $\varphi_0$ = $0.62$, $K$ = $4.09$",
+    ]
+
+
+def test_profiles_are_in_the_units_of_their_labels_and_cut_where_thin() -> None:
+    data = collapse()
+    thickness, speed = page(data).axes[0].lines[1], page(data).axes[2].lines[1]
+    x = np.asarray(thickness.get_xdata())
+    cells = np.isin(data["x"].values, x)
+    h = data["h"].values[0, 1][cells]
+    np.testing.assert_allclose(np.asarray(thickness.get_ydata()), 100 * h)
+    np.testing.assert_array_equal(np.isnan(np.asarray(speed.get_ydata())), h <= 1e-3)
+    assert np.isnan(np.asarray(speed.get_ydata())).any()
+    assert 0.6 < x[-1] < 0.65  # the grid goes on to 1.0
+
+
+def test_speed_prefers_what_leaves_out_the_thinnest_flow() -> None:
+    data = collapse()
+    data["v_flow"] = 0.5 * data["v_max"]
+    np.testing.assert_array_equal(np.asarray(page(data).axes[5].lines[0].get_ydata()), data["v_flow"].values[0])
+
+
+def test_stop_time_is_marked_where_the_run_stopped() -> None:
+    legends = [page(two_runs(), run).axes[-1].get_legend() for run in (0, 1)]
+    texts = [[text.get_text() for text in legend.get_texts()] for legend in legends if legend is not None]
+    assert "at rest, $t$ = 0.6 s" in texts[0]
+    assert not any("at rest" in text for text in texts[1])
+
+
+def test_page_of_a_diverged_run_says_so_and_shows_what_there_is() -> None:
+    figure = page(two_runs(), run=1)
+    for fact in ("$-12.5$°", "column.length = 0.25", "run 1 (0 to 1)", "ended early: diverged"):
+        assert fact in " ".join(heading(figure).split())
+    profiles = [line for line in figure.axes[0].lines if str(line.get_label()).startswith("$t$")]
+    assert len(profiles) == figures.MAX_INSTANTS
+    assert figure.axes[0].get_ylabel() == "thickness $h$, bed $b$ (cm)"
+    assert "diverged" not in heading(page(two_runs(), run=0))
+
+
+def test_page_says_how_many_snapshots_it_shows() -> None:
+    assert "8 of the 12 snapshots" in page(two_runs()).axes[6].texts[0].get_text()
+    assert "snapshots" not in page(collapse()).axes[6].texts[0].get_text()
+    assert "$h$ > 1 mm" in page(collapse()).axes[6].texts[0].get_text()
+
+
+@pytest.mark.parametrize(("snapshots", "samples", "label"), [(4, 0, "thickness $h$ (cm)"), (0, 9, "front position")])
+def test_page_leaves_out_what_was_not_stored(snapshots: int, samples: int, label: str) -> None:
+    figure = page(collapse(snapshots=snapshots, samples=samples))
+    assert len(figure.axes) == 4
+    assert figure.axes[0].get_ylabel().startswith(label)
+
+
+def test_one_snapshot_and_one_sample_at_rest_are_drawn(tmp_path: Path) -> None:
+    data = collapse(snapshots=1, samples=1)
+    figures.plot(data, tmp_path / "page.png")
+    assert page(data).axes[5].get_yscale() == "linear"
+
+
+def test_grids_that_differ_are_drawn_without_their_padding() -> None:
+    data = collapse(runs=2)
+    x, bed = (np.stack([data[name].values] * 2) for name in ("x", "bed"))
+    x[1, 100:] = bed[1, 100:] = np.nan
+    data = data.assign(x=(("run", "cell"), x), bed=(("run", "cell"), bed))
+    assert one_run(data, 1).sizes["cell"] == 100
+    assert len(page(data, 1).axes) == 8
+
+
+def test_plot_refuses_what_it_cannot_draw(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="nothing to draw"):
+        figures.plot(collapse(snapshots=0, samples=0), tmp_path / "page.png")
+    with pytest.raises(ValueError, match="no run 1: the result holds 1"):
+        figures.plot(collapse(), tmp_path / "page.png", run=1)
+    with pytest.raises(ValueError, match=r"\.png, \.pdf, \.svg"):
+        figures.plot(collapse(), tmp_path / "page.bmp")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("plot", "data"),
+    [(figures.plot, collapse()), (batch_figures.plot_batch, batch(slope__angle=[0.0, 22.0]))],
+    ids=["run", "batch"],
+)
+def test_failure_leaves_the_old_file_and_nothing_else(
+    plot: Callable[[xr.Dataset, Path], Path], data: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "page.png"
+    path.write_text("old")
+
+    def half(figure: Figure, part: Path, **options: Any) -> None:
+        part.write_text("half")
+        raise OSError("disk full")
+
+    monkeypatch.setattr(Figure, "savefig", half)
+    with pytest.raises(OSError, match="disk full"):
+        plot(data, path)
+    assert path.read_text() == "old"
+    assert [path] == list(tmp_path.iterdir())
+
+
+def test_drawing_leaves_matplotlib_as_it_was(tmp_path: Path) -> None:
+    before = dict(matplotlib.rcParams)
+    figures.plot(collapse(), tmp_path / "page.png")
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_long_headings_are_broken_between_facts_and_fit_the_page(tmp_path: Path) -> None:
+    data = two_runs().assign_coords({f"rheology.key{n}": ("run", [0.1, 0.2]) for n in range(9)})
+    data.attrs["case_toml"] = data.attrs["case_toml"].replace("Dense column", "Dense column " * 9)
+    figure = page(data, 1)
+    figure.canvas.draw()
+    title = figure.texts[0].get_window_extent()
+    assert title.x0 >= 0
+    assert title.x1 <= figure.bbox.x1
+    assert all(line.endswith(("°", ",", "diverged")) or "=" not in line for line in heading(figure).splitlines())
+
+
+def test_a_run_that_came_to_rest_did_not_end_early() -> None:
+    data = collapse()
+    data["status"][0] = "at_rest"
+    assert "ended" not in heading(page(data))

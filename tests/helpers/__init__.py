@@ -1,0 +1,1 @@
+"""What tests share: cases, results made by hand, programs of their own."""

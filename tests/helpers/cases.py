@@ -1,0 +1,163 @@
+"""Cases that several tests use."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+import warp as wp
+
+from warpgran.case.case import Case
+from warpgran.physics.reference import Reference
+from warpgran.schema import Status
+from warpgran.solve.engines import run_kernels, run_reference
+from warpgran.solve.finished import SCALARS, Failure
+from warpgran.solve.solver import Solver
+
+ENGINES = ("kernels", "numpy")
+"""The two implementations, for tests that compare them: the kernels on the CPU, and the reference."""
+_without = pytest.param("cuda", marks=pytest.mark.skip(reason="there is no NVIDIA GPU here"))
+GPUS: list[Any] = [str(device) for device in wp.get_cuda_devices()] or [_without]
+DEVICES = ["cpu", *GPUS]
+"""Where kernels run, for tests of kernels; in a test, the fixture `device`."""
+EVERY_ENGINE = [*ENGINES, *GPUS]
+"""For tests that all implementations must pass, wherever they run."""
+
+# On a dry bed the paper's viscosity makes solid fraction out of nothing: phi passes 1 within a few steps.
+DIVERGING: dict[str, Any] = {"scheme.viscosity": "paper", "rheology.K": 0.0}
+
+
+def small(**changes: Any) -> Case:
+    """A collapse of 200 coarse cells at 22 degrees, with a few changes by dotted key."""
+    base: dict[str, Any] = {
+        "slope.angle": 22.0,
+        "grid.right": 0.6,
+        "grid.cells": 200,
+        "time.end": 0.2,
+        "time.snapshots": [0.1, 0.2],
+        "time.series": [],
+    }
+    return Case().with_(**{**base, **changes})
+
+
+def drawn(seed: int) -> Case:
+    """A case with every option of the scheme drawn at random, that takes no more than 100 steps.
+
+    Left out is what is known to amplify rounding or to throw thin cells: lambda > 0 or the paper's viscosity on a dry
+    bed, momentum diffused faster than mass (xi2 > xi1), and the paper's viscosity with xi3 != xi1, which takes phi
+    above 1; f0 with lambda > 0 or the exponential relaxation.
+    """
+    rng = np.random.default_rng(seed)
+
+    def one_of(*values: Any) -> Any:
+        return values[rng.integers(len(values))]
+
+    left, length = -0.3, 1.5
+    x = np.linspace(left, left + length, 40)
+    bed = {"x": x, "b": 0.01 * rng.standard_normal(x.size)}
+    phi_eq = one_of("f0", "f1", "f2", "f2")
+    lambda_ = 0.0 if phi_eq == "f0" else one_of(0.0, 0.0, float(rng.uniform(0.0, 1.0)), 1.0)
+    viscosity = one_of("bounded", "bounded", "paper")
+    h_bed = float(10 ** rng.uniform(-5.0, -3.0)) if lambda_ > 0.0 or viscosity == "paper" else one_of(0.0, 0.0, 1e-4)
+    xi = float(rng.uniform(0.5, 6.0))
+    start = float(rng.uniform(left, left + 0.5))
+    changes: dict[str, Any] = {
+        "rheology.mu1": float(rng.uniform(0.2, 0.6)),
+        "rheology.mu2": float(rng.uniform(0.6, 0.9)),
+        "rheology.I0": float(rng.uniform(0.1, 0.5)),
+        "rheology.grain_diameter": float(10 ** rng.uniform(-4.0, -2.5)),
+        "rheology.K": one_of(0.0, 1.0, 4.09, float(rng.uniform(0.0, 10.0))),
+        "rheology.K_tilde": float(rng.uniform(0.05, 0.5)),
+        "rheology.phi_stat": float(rng.uniform(0.5, 0.62)),
+        "rheology.phi_eq": phi_eq,
+        "rheology.phi_eq_N": one_of(1.0, float(rng.uniform(0.5, 6.0))),
+        "rheology.mu_wall": one_of(0.0, 0.18),
+        "slope.angle": float(rng.uniform(-30.0, 40.0)),
+        "slope.bed": one_of(None, bed),
+        "column.height": float(rng.uniform(0.05, 0.3)),
+        "column.length": float(rng.uniform(0.1, 0.5)),
+        "column.phi": float(rng.uniform(0.5, 0.64)),
+        "column.start": start,
+        "grid.left": left,
+        "grid.right": left + length,
+        "grid.cells": int(rng.integers(60, 400)),
+        "time.end": 10.0,
+        "time.snapshots": [10.0],
+        "time.series": [],
+        "time.step_limit": 100,
+        "scheme.alpha": one_of(2.0, 2.0, float(rng.uniform(1.2, 4.0))),
+        "scheme.lambda": lambda_,
+        "scheme.cfl": float(rng.uniform(0.2, 0.5)),
+        "scheme.relaxation": "rational" if phi_eq == "f0" else one_of("rational", "exponential"),
+        "scheme.viscosity": viscosity,
+        "scheme.xi": [xi, xi, xi if viscosity == "paper" else float(rng.uniform(0.5, 6.0))],
+        "scheme.h_min": one_of(None, 2e-3),
+        "scheme.h_bed": h_bed,
+        "scheme.left": one_of("wall", "open"),
+        "scheme.right": one_of("wall", "open"),
+        "scheme.window": one_of(True, False),
+    }
+    if changes["scheme.relaxation"] == "exponential":  # which is refused where it would empty a thin cell in one step
+        steepest = 2.5 * changes["scheme.cfl"] * changes["rheology.K"] * length / changes["grid.cells"] / 9.0
+        changes["scheme.h_min"] = max(changes["scheme.h_min"] or changes["rheology.grain_diameter"], steepest)
+    return Case().with_(**changes)
+
+
+@dataclass(frozen=True)
+class Ran:
+    """One run after it has ended: what was recorded at its output times, and its last state.
+
+    Attributes:
+        h, v, phi: (times, cells).
+        scalars: By name, (times,).
+        U: (3, cells).
+    """
+
+    h: np.ndarray
+    v: np.ndarray
+    phi: np.ndarray
+    scalars: dict[str, np.ndarray]
+    U: np.ndarray
+    steps: int
+    status: Status
+    end_time: float
+    failure: Failure | None
+
+
+def ran(engine: str, case: Case, times: Sequence[float] | None = None, precision: str = "float64") -> Ran:
+    """A case recorded at the times given or its own, by "kernels" (on the cpu), the name of a device, or "numpy"."""
+    if times is not None:
+        times = [float(t) for t in times]
+        case = case.with_(**{"time.end": times[-1], "time.snapshots": times, "time.series": times})
+    if engine != "numpy":
+        device = "cpu" if engine == "kernels" else engine
+        solver = Solver.holding([case], precision_name=precision, device=device)
+        finished = run_kernels(solver, [case], lambda t: True)
+        U = np.stack([solver.state.of_run(u, 0) for u in solver.state.U]).astype(float)
+    else:
+        finished = run_reference([case], lambda t: True)
+        run = Reference(case)
+        with np.errstate(all="ignore"):
+            for t in case.output_times:
+                run.advance(t)
+        U = run.U
+    h, v, phi = (field[0, :, : case.grid.cells] for field in finished.profiles)
+    scalars = dict(zip(SCALARS, finished.scalars[0].T, strict=True))
+    ended = int(finished.steps[0]), Status(int(finished.status[0])), float(finished.end_time[0])
+    return Ran(h, v, phi, scalars, U, *ended, finished.failures.get(0))
+
+
+def at_centres(h: np.ndarray, phi: Any, bed: Any = None, **changes: Any) -> Case:
+    """A case on [0, 1] m whose thickness, volume fraction and bed at the cell centres are those given."""
+    n = h.size
+    x = (np.arange(n) + 0.5) / n
+    profile = {"x": x, "h": h, "phi": np.broadcast_to(phi, n)}
+    grid = {"grid.left": 0.0, "grid.right": 1.0, "grid.cells": n}
+    column = {"column.profile": profile, "column.height": None, "column.length": None, "column.phi": None}
+    time = {"time.end": 0.1, "time.snapshots": [0.1], "time.series": []}
+    closed = {"scheme.left": "wall", "scheme.right": "wall"}
+    bed_table = {} if bed is None else {"slope.bed": {"x": x, "b": bed}}
+    return Case().with_(**{**grid, **column, **time, **closed, **bed_table, **changes})

@@ -1,0 +1,154 @@
+"""Fields that follow from h, v and phi: step 2 of the scheme, for any result, over all its runs at once.
+
+gamma = 5|v|/(2 h_e)                         (2.15)         h_e = max(h, h_min)
+I = gamma d / sqrt(phi g_c h_e)              (2.10), (2.11) g_c = g cos(theta)
+phi_eq = f0 | f1 | f2 of I                   (2.9)
+tan psi = K (phi - phi_eq)                   (2.8)
+mu = max(0, mu(I) + tan psi) + mu_w h/width  (2.13), (2.14), (4.1)
+
+SI units, psi in degrees. Each run has its own parameters: those of the run file, replaced by what the sweep varied.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from warpgran.errors import OptionError, ResultError
+
+GRAVITY = 9.81  # m s-2, where the result does not say what it was
+
+
+def parameter(data: xr.Dataset, key: str, default: Any = None) -> xr.DataArray:
+    """What a parameter was in each run.
+
+    Args:
+        data: a result, with all its runs or (after `data.isel(run=0)`) one.
+        key: dotted key of the run file, e.g. "slope.angle"; in the units of the run file.
+        default: the value where the result does not have the key; None for an error.
+
+    Returns:
+        The values over `run` for a varied key, else one value without dimensions.
+
+    Raises:
+        ResultError: the result has no such parameter, and no default is given.
+    """
+    if key in data.variables:
+        return data[key]
+    value: Any = tomllib.loads(data.attrs.get("case_toml", ""))
+    for name in key.split("."):
+        value = value.get(name) if isinstance(value, dict) else None
+    value = default if value is None else value
+    if value is None:
+        raise ResultError(f"the result does not say what {key} was: neither its attribute case_toml nor a coordinate")
+    return xr.DataArray(value)
+
+
+def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
+    """Fields that follow from h, v and phi.
+
+    Args:
+        data: a result with h [m], v [m/s] and phi [-] over (run, time, cell), and the attribute case_toml; what
+            selections leave of one (a run, an instant, some cells) will do.
+        names: any of gamma [1/s], I [-], phi_eq [-], psi [degrees] and mu [-]; all of them if none is given.
+
+    Returns:
+        The fields asked for, with the dimensions of h; NaN where h, v or phi is.
+
+    Raises:
+        ResultError: an unknown name, or a parameter that the result does not have.
+    """
+    unknown = [name for name in names if name not in FIELDS]
+    if unknown:
+        raise OptionError(f"cannot derive {', '.join(unknown)}: the known fields are {', '.join(FIELDS)}")
+    fields = {}
+    for name in names or FIELDS:
+        compute, units, long_name = FIELDS[name]
+        fields[name] = compute(data).transpose(*data["h"].dims)
+        fields[name].attrs = {"units": units, "long_name": long_name}
+    return xr.Dataset(fields)
+
+
+def normal_gravity(data: xr.Dataset) -> xr.DataArray:
+    """Gravity normal to the plane g_c = g cos(theta) [m s-2], of each run."""
+    g: xr.DataArray = parameter(data, "slope.gravity", GRAVITY) * np.cos(np.deg2rad(parameter(data, "slope.angle")))
+    return g
+
+
+def _effective_thickness(data: xr.Dataset) -> xr.DataArray:
+    """h_e = max(h, h_min) [m]: the shear rate has no meaning below one grain."""
+    h_min = parameter(data, "scheme.h_min", parameter(data, "rheology.grain_diameter"))
+    return data["h"].clip(min=h_min)
+
+
+def _shear_rate(data: xr.Dataset) -> xr.DataArray:
+    """Shear rate gamma [1/s] (2.15)."""
+    return 2.5 * abs(data["v"]) / _effective_thickness(data)
+
+
+def _inertial_number(data: xr.Dataset) -> xr.DataArray:
+    """Inertial number I [-] (2.10) under the pressure (2.11) at the base; NaN where phi is not positive."""
+    pressure = data["phi"].where(data["phi"] > 0) * normal_gravity(data) * _effective_thickness(data)  # over rho_s
+    return _shear_rate(data) * parameter(data, "rheology.grain_diameter") / np.sqrt(pressure)
+
+
+def _phi_eq_f0(inertial: xr.DataArray, K_tilde: xr.DataArray, phi_stat: xr.DataArray, N: xr.DataArray) -> xr.DataArray:
+    """Equilibrium volume fraction [-] (2.9, f0): linear, cut at 0."""
+    return (phi_stat - K_tilde * inertial).clip(min=0.0)
+
+
+def _phi_eq_f1(inertial: xr.DataArray, K_tilde: xr.DataArray, phi_stat: xr.DataArray, N: xr.DataArray) -> xr.DataArray:
+    """Equilibrium volume fraction [-] (2.9, f1): exponential."""
+    return phi_stat * np.exp(-K_tilde * inertial / phi_stat)
+
+
+def _phi_eq_f2(inertial: xr.DataArray, K_tilde: xr.DataArray, phi_stat: xr.DataArray, N: xr.DataArray) -> xr.DataArray:
+    """Equilibrium volume fraction [-] (2.9, f2): rational, f1 in the limit of large N."""
+    return phi_stat / (1.0 + K_tilde * inertial / (N * phi_stat)) ** N
+
+
+def _equilibrium_volume_fraction(data: xr.Dataset) -> xr.DataArray:
+    """Equilibrium volume fraction phi_eq [-] (2.9), by the law that each run was given."""
+    law = parameter(data, "rheology.phi_eq")
+    keys = ("rheology.K_tilde", "rheology.phi_stat", "rheology.phi_eq_N")
+    K_tilde, phi_stat, N = (parameter(data, key) for key in keys)
+    inertial = _inertial_number(data)
+    phi_eq = xr.full_like(inertial, np.nan)
+    for name, f in PHI_EQ_LAWS.items():
+        if (law == name).any():
+            phi_eq = f(inertial, K_tilde, phi_stat, N).where(law == name, phi_eq)
+    return phi_eq
+
+
+def _tan_psi(data: xr.Dataset) -> xr.DataArray:
+    """Tangent of the dilatancy angle [-] (2.8)."""
+    return parameter(data, "rheology.K") * (data["phi"] - _equilibrium_volume_fraction(data))
+
+
+def _dilatancy_angle(data: xr.Dataset) -> xr.DataArray:
+    """Dilatancy angle psi [degrees] (2.8)."""
+    psi: xr.DataArray = xr.apply_ufunc(np.arctan, _tan_psi(data))
+    return psi * (180.0 / np.pi)
+
+
+def _effective_friction(data: xr.Dataset) -> xr.DataArray:
+    """Effective friction mu [-] (2.13), (2.14) with the side walls (4.1)."""
+    mu1, mu2, I0 = (parameter(data, f"rheology.{name}") for name in ("mu1", "mu2", "I0"))
+    inertial = _inertial_number(data)
+    wall = parameter(data, "rheology.mu_wall") * data["h"] / parameter(data, "rheology.channel_width")
+    return (mu1 + (mu2 - mu1) * inertial / (inertial + I0) + _tan_psi(data)).clip(min=0.0) + wall
+
+
+PHI_EQ_LAWS: dict[str, Callable[..., xr.DataArray]] = {"f0": _phi_eq_f0, "f1": _phi_eq_f1, "f2": _phi_eq_f2}
+
+FIELDS: dict[str, tuple[Callable[[xr.Dataset], xr.DataArray], str, str]] = {
+    "gamma": (_shear_rate, "s-1", "shear rate (2.15)"),
+    "I": (_inertial_number, "1", "inertial number (2.10), (2.11)"),
+    "phi_eq": (_equilibrium_volume_fraction, "1", "equilibrium volume fraction (2.9)"),
+    "psi": (_dilatancy_angle, "degree", "dilatancy angle (2.8)"),
+    "mu": (_effective_friction, "1", "effective friction (2.13), (2.14), (4.1)"),
+}

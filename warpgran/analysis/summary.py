@@ -1,0 +1,102 @@
+"""A result in one row a run: a table to analyse, to store as CSV and to print."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from warpgran.arrays import Array
+from warpgran.errors import ResultError
+from warpgran.files import replacing
+
+
+def summary(data: xr.Dataset) -> pd.DataFrame:
+    """What came of each run.
+
+    Args:
+        data: a result, with all its runs or some (`data.isel(run=[0, 3])`).
+
+    Returns:
+        A row a run. What a run does not have is NaN: it diverged or was interrupted before, or never came to rest. The
+        values of a run that ended early are the last that it reached.
+
+        - run: its number in the result
+        - the keys in which the runs differ ("slope.angle"): their values, in the units of the run file
+        - status: ok, at_rest, diverged, step_limit, interrupted or pending
+        - end_time: time reached, s
+        - steps: time steps taken
+        - run_out: way of the front from the first sample to the last, m
+        - front: last position of the front, m
+        - h_max: largest thickness at the last sample, m
+        - dilation_max: largest relative change of the volume over time, 1
+        - volume_change: last relative change of the volume, 1
+        - stop_time: first sample after which the mass stays at rest, s
+
+    Raises:
+        ResultError: a selection without the dimension `run`.
+    """
+    if "run" not in data.dims:
+        raise ResultError("a summary needs the dimension `run`: select one run with data.isel(run=[0])")
+    front, change = _finite(data, "front"), _finite(data, "volume_change")
+    start = front[:, 0] if front.shape[1] else np.nan
+    columns = {
+        "run": data["run"].values,
+        **{key: data[key].values for key in swept(data)},
+        "status": status_words(data),
+        "end_time": data["end_time"].values,
+        "steps": data["steps"].values,
+        "run_out": _last(front) - start,
+        "front": _last(front),
+        "h_max": _last(_finite(data, "h_max")),
+        "dilation_max": np.fmax.reduce(change, axis=1, initial=np.nan),
+        "volume_change": _last(change),
+        "stop_time": data["stop_time"].values,
+    }
+    return pd.DataFrame(columns)
+
+
+def swept(data: xr.Dataset) -> list[str]:
+    """The dotted keys in which the runs differ: coordinates of `run`."""
+    return [str(name) for name in data.coords if "." in str(name) and data[name].dims == ("run",)]
+
+
+def status_words(data: xr.Dataset) -> np.ndarray:
+    """How each run ended, as words, also where the result gives numbers and a list of meanings."""
+    status = data["status"]
+    meanings = str(status.attrs.get("flag_meanings", "")).split()
+    flags = np.atleast_1d(status.attrs.get("flag_values", []))
+    words: dict[Any, str] = dict(zip(flags.tolist(), meanings, strict=False))
+    found = [words.get(value, str(value)) for value in status.values.ravel().tolist()]
+    return np.array(found, dtype=object).reshape(status.shape)
+
+
+def write_csv(frame: pd.DataFrame, path: str | Path) -> Path:
+    """Write a summary as CSV, whole or not at all; NaN is an empty field.
+
+    Returns:
+        The path of the file.
+
+    Raises:
+        StorageError: the folder is missing or not writable, or `path` is a folder.
+    """
+    path = Path(path)
+    with replacing(path) as part:
+        frame.to_csv(part, index=False, lineterminator="\n", encoding="utf-8")
+    return path
+
+
+def _finite(data: xr.Dataset, name: str) -> Array:
+    """A series (run, sample) with NaN for all that is not finite."""
+    values = data[name].transpose("run", "sample").values
+    return np.where(np.isfinite(values), values, np.nan)
+
+
+def _last(values: Array) -> Array:
+    """The last value of each row that is not NaN; NaN if there is none."""
+    values = np.pad(values, ((0, 0), (1, 0)), constant_values=np.nan)
+    last = np.where(np.isnan(values), 0, np.arange(values.shape[1])).max(axis=1)
+    return np.asarray(values[np.arange(values.shape[0]), last])

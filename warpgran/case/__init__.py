@@ -1,0 +1,1 @@
+"""What is asked for: run files, cases, studies."""

@@ -1,0 +1,50 @@
+"""The identity of a case: a hash by which results are known, whatever their number in a batch."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import lru_cache
+from typing import Any
+
+from warpgran.case.case import Case
+from warpgran.case.sections import Time
+from warpgran.case.tables import Table
+from warpgran.case.times import sample_times, snapshot_times
+
+
+def identity(case: Case) -> str:
+    """A hash of all that the result of a case depends on: 16 hexadecimal digits, the same on every machine.
+
+    It is made of every value in force, the output times and the numbers of the tables. Not in it are the title,
+    `scheme.window`, which gives the same bits, and the paths of files.
+    """
+    left_out = ("title", "scheme.window", "time.snapshots", "time.series")
+    values = {key: value for key, value in case.flat().items() if key not in left_out}
+    values["times"] = _times(case.time)
+    values["slope.bed"] = _numbers(case.slope.bed)
+    values["column.profile"] = _numbers(case.column.profile)
+    return _digest(values)
+
+
+@lru_cache(maxsize=16)
+def _times(time: Time) -> str:
+    return _digest([snapshot_times(time), sample_times(time)])
+
+
+def _numbers(table: Table | None) -> Any:
+    return None if table is None else {name: values.tolist() for name, values in table.columns().items()}
+
+
+def _digest(values: Any) -> str:
+    text = json.dumps(_without_sign_of_zero(values), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _without_sign_of_zero(value: Any) -> Any:
+    """Cases that are equal have one identity: -0.0 equals 0.0."""
+    if isinstance(value, dict):
+        return {key: _without_sign_of_zero(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_sign_of_zero(item) for item in value]
+    return value + 0.0 if isinstance(value, float) else value

@@ -1,0 +1,151 @@
+"""Run files with or without a `[sweep]`: read, checked, and turned into a study."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from warpgran.case.case import Case, read_tables
+from warpgran.case.problems import CaseError, Problem, shown
+from warpgran.case.study import Study
+from warpgran.case.sweep_section import flatten, read_section
+from warpgran.case.sweep_values import values_by_run
+from warpgran.case.toml import given, load, override, put, without
+
+_MOST_MESSAGES = 5
+
+
+def read_study(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Study:
+    """Read a run file, with or without a `[sweep]`, and check every run of it.
+
+    Args:
+        path: The file, UTF-8. Paths in it start from its folder.
+        overrides: `KEY=VALUE` as for `Case.from_toml`; also of the sweep, as in `sweep.over.slope.angle=[0, 10]`.
+
+    Raises:
+        CaseError: With all that is wrong, each line beginning with the file's name; what is wrong with runs is told
+            with their number, from 0, and their values.
+    """
+    where = os.fspath(path)
+    source, data = load(where)
+    problems = flatten(data)
+    problems += [problem for text in overrides if (problem := override(data, text))]
+    problems += flatten(data)  # again, for an override can set all of sweep.over
+    overridden = [text.partition("=")[0].strip() for text in overrides]
+    return _study(data, problems, Path(where).parent, source, where, overridden)
+
+
+def sweep(
+    case: Case, over: Mapping[str, Any], *, mode: str = "product", samples: int | None = None, seed: int = 1
+) -> Study:
+    """Vary a case, as the `[sweep]` section of a run file does, and check every run.
+
+    Args:
+        case: What all runs share.
+        over: By dotted key a list of values (product, zip) or `{"low": a, "high": b}`, with `"log": True` for equal
+            shares of the logarithm (latin, sobol).
+        mode: product (every combination, the last key fastest), zip (value by value), latin or sobol (samples).
+        samples: Number of runs for latin and sobol, for sobol a power of 2.
+        seed: Of the samples: the same seed gives the same values.
+
+    Raises:
+        CaseError: With all that is wrong.
+    """
+    section = {"over": over, "mode": mode, "seed": seed} | ({} if samples is None else {"samples": samples})
+    data = given(case) | {"sweep": section}
+    return _study(data, flatten(data), case.folder, case.source)
+
+
+def _study(
+    data: dict[str, Any],
+    problems: list[Problem],
+    folder: Path,
+    source: str,
+    where: str = "",
+    overridden: Sequence[str] = (),
+) -> Study:
+    """The study that the data ask for, or all that is wrong with them beside the problems already found.
+
+    The data are the caller's no more: they are changed.
+    """
+    section = data.pop("sweep", None)
+    if section is None:
+        return Study(Case._checked(data, problems, folder, source, where), {})
+    columns: Mapping[str, Sequence[Any]] = {}
+    try:
+        columns = values_by_run(read_section(section), folder)
+    except CaseError as error:
+        problems = problems + error.problems
+    problems += [
+        Problem(key, f"the sweep varies it and would undo this override; set sweep.over.{key} instead")
+        for key in dict.fromkeys(overridden)
+        if key in columns
+    ]
+    unread = read_tables(data, folder)
+    data = without(data, {problem.key for problem in unread})
+    of_file = list(_file_problems(data, unread, set(columns), folder))
+    of_runs = _run_problems(data, columns, of_file, folder) if columns else []
+    if problems or of_file or of_runs:
+        raise CaseError([*problems, *of_file, *of_runs], where)
+    for key, values in columns.items():
+        put(data, key, values[0])
+    return Study(Case._checked(data, [], folder, source, where), columns)
+
+
+def _found(data: dict[str, Any], known: list[Problem], folder: Path) -> list[Problem]:
+    try:
+        Case._checked(data, known, folder)
+    except CaseError as error:
+        return error.problems
+    return []
+
+
+def _file_problems(data: dict[str, Any], known: list[Problem], swept: set[str], folder: Path) -> Iterator[Problem]:
+    """What is wrong in every run. Without the sweep's keys, nothing that several keys decide can be judged."""
+    for problem in _found(data, known, folder):
+        if not problem.involves or (swept and swept.isdisjoint((problem.key, *problem.involves))):
+            yield problem
+
+
+def _run_problems(
+    data: dict[str, Any], columns: Mapping[str, Sequence[Any]], of_file: list[Problem], folder: Path
+) -> list[Problem]:
+    """Check every run: each thing that is wrong once, with the first run where it is, a few things and a count."""
+    known = [problem for problem in of_file if problem.key not in columns]
+    told = set(of_file)
+    runs = len(next(iter(columns.values())))
+    first: dict[Problem, int] = {}
+    times: dict[Problem, int] = {}
+    more = invalid = 0
+    for run in range(runs):
+        for key, values in columns.items():
+            put(data, key, values[run])
+        found = [problem for problem in _found(data, known, folder) if problem not in told]
+        invalid += bool(found)
+        for problem in found:
+            if problem in first:
+                times[problem] += 1
+            elif len(first) < _MOST_MESSAGES:
+                first[problem], times[problem] = run, 1
+            else:
+                more += 1
+    problems = [
+        replace(problem, message=f"{problem.message} ({_where(columns, run, times[problem])})")
+        for problem, run in first.items()
+    ]
+    if more:
+        problems.append(Problem("", f"and {more} more like these; {invalid} of {runs} runs cannot be run"))
+    return problems
+
+
+def _where(columns: Mapping[str, Sequence[Any]], run: int, times: int) -> str:
+    """`run 3: slope.angle = 100, column.phi = 0.62`."""
+    told = []
+    for key, values in columns.items():
+        value = values[run]
+        told.append(f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {shown(value)}")
+    count = f"{times} runs, the first is " if times > 1 else ""
+    return f"{count}run {run}: {', '.join(told)}"

@@ -1,0 +1,103 @@
+"""One case to many: studies, and how they are read from a run file with a `[sweep]` and checked.
+
+A study holds one case and a table of values, never its cases, so that 100,000 runs take a few megabytes.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Mapping, Sequence
+from typing import Any, SupportsIndex, overload
+
+from warpgran.case.case import Case
+from warpgran.case.identity import identity
+from warpgran.case.problems import CaseError, Problem
+from warpgran.case.sweep_section import KINDS
+
+
+class Study(Sequence[Case]):
+    """The cases of a run file, or of a sweep made in Python. Make it with `read_study`, `Case.sweep` or `Study.of`.
+
+    `study[i]` makes the case of run i, anew each time; a slice gives a list of cases.
+
+    Attributes:
+        base: Run 0: what all runs share it has too.
+        keys: The swept keys, dotted; none for a study of one run.
+        given: The cases of a study made with `of`, which may differ in anything; none for a sweep.
+        source: The run file's whole text, "" where there is none.
+        folder: What relative paths start from.
+    """
+
+    def __init__(self, base: Case, columns: Mapping[str, Sequence[Any]]) -> None:
+        """Vary a case. Nothing is checked before a case is made.
+
+        Args:
+            base: A case that has the values of run 0.
+            columns: Values by run of each key, all of one length >= 1; none for a study of one run.
+        """
+        self.base = base
+        self.keys = tuple(columns)
+        self.source = base.source
+        self.folder = base.folder
+        self._columns = {key: _compact(key, values) for key, values in columns.items()}
+        self.given: tuple[Case, ...] = ()
+        self._runs = len(next(iter(columns.values()))) if columns else 1
+
+    @classmethod
+    def of(cls, cases: Sequence[Case]) -> Study:
+        """A study of given cases, which it keeps. Its keys are those of simple values in which the cases differ.
+
+        Raises:
+            CaseError: There is no case.
+        """
+        if isinstance(cases, Study):
+            return cases
+        if not cases:
+            raise CaseError([Problem("", "a study needs at least one case")])
+        flats = [case.flat() for case in cases]
+        differ = [key for key in KINDS if any(flat[key] != flats[0][key] for flat in flats)]
+        simple = [key for key in differ if all(flat[key] is not None for flat in flats)]
+        study = cls(cases[0], {key: [flat[key] for flat in flats] for key in simple})
+        study.given, study._runs = tuple(cases), len(cases)
+        return study
+
+    def __len__(self) -> int:
+        return self._runs
+
+    @overload
+    def __getitem__(self, i: SupportsIndex) -> Case: ...
+    @overload
+    def __getitem__(self, i: slice) -> list[Case]: ...
+    def __getitem__(self, i: SupportsIndex | slice) -> Case | list[Case]:
+        runs = range(self._runs)[i]
+        return [self._case(run) for run in runs] if isinstance(runs, range) else self._case(runs)
+
+    def _case(self, run: int) -> Case:
+        if self.given:
+            return self.given[run]
+        values = {key: column[run] for key, column in self._columns.items()}
+        return self.base.with_(**values) if values else self.base
+
+    def values(self, key: str) -> list[Any]:
+        """Values of a swept key, by run.
+
+        Raises:
+            KeyError: The key is not among `keys`.
+        """
+        return list(self._columns[key])
+
+    def identity(self, i: int) -> str:
+        """The identity of the case of run i, see the function `identity`."""
+        return identity(self[i])
+
+    def __repr__(self) -> str:
+        runs = "1 run" if self._runs == 1 else f"{self._runs} runs"
+        return f"<Study of {runs}{' over ' if self.keys else ''}{', '.join(self.keys)}>"
+
+
+def _compact(key: str, values: Sequence[Any]) -> Sequence[Any]:
+    """Values of a key as they are in force: an int for a float becomes one."""
+    return array("d", values) if KINDS[key] is float else tuple(values)
+
+
+# From the section to a study

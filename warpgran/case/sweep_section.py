@@ -1,0 +1,235 @@
+"""The `[sweep]` section of a run file: its keys, what they may hold, and which keys of a case can be swept.
+
+The section is judged here; the values that it asks for are made in `warpgran.case.sweep_values`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+import numpy as np
+from pydantic import Discriminator, Field, StrictBool, StrictFloat, StrictInt, StrictStr, Tag, ValidationError
+
+from warpgran.case.problems import CaseError, Problem, problems_of, shown, unknown_key
+from warpgran.case.sections import ALLOWED, SECTIONS, Model
+
+MOST_RUNS = 1_000_000
+SAMPLED = ("latin", "sobol")
+
+_SHARED_TIMES = "all runs of a file share their output times"
+_FIXED = {
+    "title": "it is that of the whole file",
+    "time.end": _SHARED_TIMES,
+    "time.snapshots": _SHARED_TIMES,
+    "time.series": _SHARED_TIMES,
+}
+
+
+def _kind(annotation: Any) -> type | None:
+    """What a key holds, optional or not: float, int, bool, str for one of several words; None for a table or a list."""
+    if get_origin(annotation) is Literal:
+        return str
+    while get_origin(annotation) in (Annotated, Union, UnionType):
+        annotation = get_args(annotation)[0]
+    return annotation if annotation in (float, int, bool) else None
+
+
+def _kinds() -> dict[str, type]:
+    kinds = {
+        f"{section}.{key}": _kind(model.model_fields[name].annotation)
+        for section, model in SECTIONS.items()
+        for name, key in model.keys().items()
+    }
+    return {key: kind for key, kind in kinds.items() if kind and key not in _FIXED}
+
+
+KINDS = _kinds()
+"""What each key that can be swept holds: float, int, str or bool."""
+
+
+def key_problem(key: str) -> Problem | None:
+    """Why a key cannot be swept."""
+    if key in KINDS:
+        return None
+    if key in ALLOWED:
+        reason = _FIXED.get(".".join(key.split(".")[:2]), "it holds no single number or word")
+        return Problem(key, f"cannot be swept: {reason}")
+    return unknown_key(key, KINDS)
+
+
+class Range(Model):
+    """Where samples of a key lie.
+
+    Attributes:
+        low: Least value.
+        high: Greatest value.
+        log: Whether equal shares of the logarithm, not of the value, are equally likely.
+    """
+
+    low: StrictFloat
+    high: StrictFloat
+    log: StrictBool = False
+
+
+def _branch(value: Any) -> str | None:
+    """Which of the two forms is meant, so that errors are told of that one alone."""
+    if isinstance(value, Mapping):
+        return "<range>"
+    return "<list>" if isinstance(value, list) else None
+
+
+Over = Annotated[
+    Annotated[list[Any], Tag("<list>")] | Annotated[Range, Tag("<range>")],
+    Discriminator(_branch),
+]
+
+
+def _key(default: Any, allowed: str, **options: Any) -> Any:
+    return Field(default, json_schema_extra={"allowed": allowed}, **options)
+
+
+class Sweep(Model):
+    """The `[sweep]` section.
+
+    Attributes:
+        mode: How the runs are made of `over`.
+        samples: Number of runs for latin and sobol.
+        seed: Of the samples.
+        over: Lists of values or ranges, by dotted key.
+        from_: A table of values instead, a row a run; `from` in the run file.
+    """
+
+    mode: Literal["product", "zip", "latin", "sobol"] = _key("product", '"product", "zip", "latin" or "sobol"')
+    samples: StrictInt | None = _key(None, ">= 1 and <= 1000000, for sobol a power of 2", ge=1, le=MOST_RUNS)
+    seed: StrictInt = _key(1, ">= 0", ge=0)
+    over: dict[str, Over] | None = _key(None, "by dotted key a list of values or { low = , high = }")
+    from_: StrictStr | None = _key(None, "the path of a CSV file", alias="from")
+
+    @classmethod
+    def allowed(cls) -> dict[str, str]:
+        """Every key, as `sweep.key`, and what is allowed there in words."""
+        words = {}
+        for name, key in cls.keys().items():
+            extra = cls.model_fields[name].json_schema_extra
+            words[f"sweep.{key}"] = str(extra["allowed"]) if isinstance(extra, dict) else ""
+        return words
+
+
+class _Holder(Model):
+    """So that errors of the section have its name in their keys."""
+
+    sweep: Sweep
+
+
+def flatten(data: dict[str, Any]) -> list[Problem]:
+    """Turn what `[sweep.over]` nests, as in `slope.angle = [1, 2]` without quotes, into dotted keys, in place."""
+    section = data.get("sweep")
+    over = section.get("over") if isinstance(section, Mapping) else None
+    if not isinstance(section, dict) or not isinstance(over, Mapping):
+        return []
+    pairs: list[tuple[str, Any]] = []
+    for key, value in over.items():
+        nested = isinstance(value, Mapping) and "." not in str(key) and not value.keys() <= Range.model_fields.keys()
+        pairs += [(f"{key}.{name}", item) for name, item in value.items()] if nested else [(str(key), value)]
+    section["over"] = {key: _listed(value) for key, value in pairs}
+    names = [key for key, _ in pairs]
+    twice = dict.fromkeys(name for name in names if names.count(name) > 1)
+    return [Problem(f"sweep.over.{name}", "is given twice") for name in twice]
+
+
+def _listed(value: Any) -> Any:
+    """Arrays, tuples and other sequences as lists, NumPy's numbers as Python's."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Sequence) and not isinstance(value, str | bytes):
+        return [item.tolist() if isinstance(item, np.generic) else item for item in value]
+    return value
+
+
+def read_section(section: Any) -> Sweep:
+    """The section as a model.
+
+    Raises:
+        CaseError: With all that is wrong with it.
+    """
+    over = section.get("over") if isinstance(section, Mapping) else None
+    allowed = Sweep.allowed() | {"sweep": ""}
+    for key in over if isinstance(over, Mapping) else ():
+        allowed[f"sweep.over.{key}"] = "a list of values, or { low = , high = } for latin and sobol"
+        allowed |= {f"sweep.over.{key}.low": "a number", f"sweep.over.{key}.high": "a number"}
+        allowed[f"sweep.over.{key}.log"] = ""
+    try:
+        sweep = _Holder(sweep=section).sweep
+    except ValidationError as error:
+        raise CaseError(problems_of(error, allowed)) from None
+    problems = list(_section_problems(sweep))
+    if problems:
+        raise CaseError(problems)
+    return sweep
+
+
+def _section_problems(sweep: Sweep) -> Iterator[Problem]:
+    if sweep.from_ is not None:
+        for name in ("mode", "over", "samples"):
+            if name in sweep.model_fields_set:
+                yield Problem(f"sweep.{name}", "has no part beside sweep.from, which gives the runs; take one out")
+        return
+    if not sweep.over:
+        yield Problem("sweep.over", f"names no key; allowed: {Sweep.allowed()['sweep.over']}, or a file by sweep.from")
+    for key, values in (sweep.over or {}).items():
+        problem = key_problem(key)
+        if problem:
+            yield replace(problem, key=f"sweep.over.{key}")
+        elif isinstance(values, Range):
+            yield from _range_problems(key, values, sweep)
+        else:
+            yield from _list_problems(key, values, sweep)
+    yield from _size_problems(sweep)
+
+
+def _range_problems(key: str, values: Range, sweep: Sweep) -> Iterator[Problem]:
+    name = f"sweep.over.{key}"
+    if sweep.mode not in SAMPLED:
+        yield Problem(name, f"is a range; allowed in mode {sweep.mode}: a list of values (latin and sobol take ranges)")
+    elif KINDS[key] not in (float, int):
+        yield Problem(name, "holds no number, so that it has no range; vary it by a list, in mode product or zip")
+    elif not values.low < values.high:
+        yield Problem(f"{name}.low", f"{values.low} is out of range; allowed: < high, which is {values.high}")
+    elif values.log and values.low <= 0:
+        yield Problem(f"{name}.low", f"{values.low} is out of range; allowed with log: > 0")
+
+
+def _list_problems(key: str, values: list[Any], sweep: Sweep) -> Iterator[Problem]:
+    name = f"sweep.over.{key}"
+    if sweep.mode in SAMPLED:
+        yield Problem(name, f"is a list; allowed in mode {sweep.mode}: {{ low = , high = }}")
+    elif not values:
+        yield Problem(name, "has no values")
+    for i, value in enumerate(values):
+        if not isinstance(value, bool | int | float | str):
+            yield Problem(f"{name}[{i}]", f"{shown(value)} is not a number, a word, true or false")
+
+
+def _size_problems(sweep: Sweep) -> Iterator[Problem]:
+    """What is wrong with the number of runs."""
+    if sweep.mode in SAMPLED:
+        if sweep.samples is None:
+            yield Problem("sweep.samples", f"is missing: mode {sweep.mode} needs a number of runs")
+        elif sweep.mode == "sobol" and sweep.samples & (sweep.samples - 1):
+            following = 1 << sweep.samples.bit_length()
+            message = f"{sweep.samples} is no power of 2, which Sobol points need; the next is {following}"
+            yield Problem("sweep.samples", message)
+        return
+    if sweep.samples is not None:
+        yield Problem("sweep.samples", f"has no part in mode {sweep.mode}, whose lists give the number of runs")
+    lengths = {key: len(values) for key, values in (sweep.over or {}).items() if isinstance(values, list)}
+    if sweep.mode == "zip" and len(set(lengths.values())) > 1:
+        told = ", ".join(f"{key} has {length}" for key, length in lengths.items())
+        yield Problem("sweep.over", f"mode zip needs lists of one length: {told}")
+    runs = math.prod(lengths.values()) if sweep.mode == "product" else max(lengths.values(), default=0)
+    if runs > MOST_RUNS:
+        yield Problem("sweep.over", f"asks for {runs} runs; allowed: {MOST_RUNS}")

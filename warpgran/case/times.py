@@ -1,0 +1,49 @@
+"""When a run stops to be looked at."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from warpgran.case.sections import Every, Time
+
+SAME_TIME = 1e-9
+"""Times closer than this part of `time.end` are one."""
+
+
+def snapshot_times(time: Time) -> tuple[float, ...]:
+    """Times of whole profiles, s, increasing."""
+    if time.snapshots is None:
+        return _spaced(time.end, time.end / 5)[1:]
+    return _listed(time.snapshots, time.end)
+
+
+def sample_times(time: Time) -> tuple[float, ...]:
+    """Times of the scalar series, s, increasing. One that is also a snapshot's has its value to the bit."""
+    near = SAME_TIME * time.end
+    times = np.array(_listed(time.series, time.end))
+    snapshots = np.array([*snapshot_times(time), math.inf])
+    candidate = snapshots[np.searchsorted(snapshots, times - near, side="right")]  # the only one that can be near
+    return tuple(np.unique(np.where(candidate < times + near, candidate, times)).tolist())
+
+
+def output_times(time: Time) -> tuple[float, ...]:
+    """Every time at which the run stops to be looked at, s: snapshots, samples and the end."""
+    return tuple(sorted({*snapshot_times(time), *sample_times(time), time.end}))
+
+
+def _listed(times: Every | tuple[float, ...], end: float) -> tuple[float, ...]:
+    if isinstance(times, Every):
+        return _spaced(end, min(times.every, end))  # the default may be longer than the whole run
+    near = SAME_TIME * end
+    return tuple(end if end - time < near else 0.0 if time < near else time for time in times)
+
+
+def _spaced(end: float, step: float) -> tuple[float, ...]:
+    """0, step, 2 step, ... <= end, rounded so that 3 x 0.1 is 0.3, and the end to the bit where it is a multiple."""
+    digits = max(12, 6 - math.floor(math.log10(step)))
+    times = [round(k * step, digits) for k in range(math.floor(end / step * (1 + SAME_TIME)) + 1)]
+    if abs(times[-1] - end) < SAME_TIME * end:
+        times[-1] = end
+    return tuple(times)

@@ -1,0 +1,126 @@
+"""Run files as text, and the nested dicts of keys that they hold."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from warpgran.case.problems import CaseError, Problem, shown, unknown_key
+from warpgran.case.sections import ALLOWED, Every, Model
+from warpgran.case.tables import Table
+
+
+def load(path: str) -> tuple[str, dict[str, Any]]:
+    """The whole text of a run file and its keys.
+
+    Raises:
+        CaseError: Where it cannot be read or is no TOML.
+    """
+    try:
+        source = Path(path).read_text(encoding="utf-8-sig")
+        return source, tomllib.loads(source)
+    except UnicodeDecodeError as error:
+        message = f"is not UTF-8 text (byte {error.start})"
+    except tomllib.TOMLDecodeError as error:
+        message = f"is not valid TOML: {error}"
+    except IsADirectoryError:
+        message = "is a directory, not a run file"
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        message = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    except RecursionError:
+        message = "is not valid TOML: nested too deeply"
+    raise CaseError([Problem("", message)], path)
+
+
+def override(data: dict[str, Any], text: str) -> Problem | None:
+    """Set a key from `KEY=VALUE`; a value that is no TOML is taken as text."""
+    key, equals, raw = text.partition("=")
+    if not equals or not key.strip():
+        return Problem("", f"override {shown(text)} is not KEY=VALUE")
+    try:
+        parsed = tomllib.loads(f"value = {raw}")
+    except (tomllib.TOMLDecodeError, RecursionError):
+        parsed = {}
+    only_a_value = parsed.keys() == {"value"}  # a line break in the text could bring in more keys
+    return put(data, key.strip(), parsed["value"] if only_a_value else raw.strip())
+
+
+def put(data: dict[str, Any], key: str, value: Any) -> Problem | None:
+    """Set, or with None take out, one dotted key of nested dicts."""
+    *parents, last = _path(key)
+    if key not in ALLOWED and parents[:1] != ["sweep"]:  # the sweep is judged by warpgran.sweep
+        return unknown_key(key, ALLOWED)
+    for parent in parents:
+        if not isinstance(data.get(parent), dict):
+            data[parent] = {}
+        data = data[parent]
+    if value is None:
+        data.pop(last, None)
+    else:
+        data[last] = given(value)
+    return None
+
+
+def _path(key: str) -> list[str]:
+    """Where a dotted key is in nested dicts. Under `sweep.over` dotted keys are single names, quoted or not."""
+    parts = key.split(".")
+    if parts[:2] != ["sweep", "over"] or len(parts) == 2:
+        return parts
+    section, *rest = key.replace('"', "").split(".")[2:]
+    return ["sweep", "over", ".".join([section, *rest[:1]]), *rest[1:]]
+
+
+def given(value: Any) -> Any:
+    """A model as a dict of what was set in it, by key; dicts anew, so that they can be changed."""
+    if isinstance(value, Model):
+        return {k: given(getattr(value, name)) for name, k in value.keys().items() if name in value.model_fields_set}
+    return {str(key): given(item) for key, item in value.items()} if isinstance(value, Mapping) else value
+
+
+def without(data: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
+    """The data less some sections and `section.key`s."""
+    return {
+        section: {key: item for key, item in value.items() if f"{section}.{key}" not in keys}
+        if isinstance(value, dict)
+        else value
+        for section, value in data.items()
+        if section not in keys
+    }
+
+
+def plain(value: Any) -> Any:
+    """A value of a model as the numbers, words, lists and dicts that a run file can hold."""
+    if isinstance(value, Table):
+        return value.plain()
+    if isinstance(value, Every):
+        return value.model_dump()
+    return list(value) if isinstance(value, tuple) else value
+
+
+def text_of(values: Mapping[str, Any]) -> str:
+    """A run file of plain values by dotted key, section after section; keys with None are left out."""
+    lines = []
+    section = ""
+    for key, value in values.items():
+        head, _, name = key.rpartition(".")
+        if head != section:
+            section = head
+            lines += ["", f"[{section}]"]
+        if value is not None:
+            lines.append(f"{name} = {_toml(value)}")
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):  # JSON's strings are TOML's but for one character
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, list):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + " }"
+    return repr(value)

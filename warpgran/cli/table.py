@@ -1,0 +1,99 @@
+"""A summary as a table on the terminal."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from rich.cells import cell_len
+from rich.table import Table
+
+from warpgran.arrays import Array
+
+WIDTH = 100  # of the printed table where none is asked for, characters
+
+
+GAP = 2  # between its columns, characters
+
+
+PRINTED = {  # columns with a unit: heading, SI unit; fractions are printed in %
+    "end_time": ("end", "s"),
+    "run_out": ("run-out", "m"),
+    "front": ("front", "m"),
+    "h_max": ("max h", "m"),
+    "dilation_max": ("dilation", "%"),
+    "volume_change": ("volume", "%"),
+    "stop_time": ("stop", "s"),
+}
+
+
+def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = WIDTH) -> Table:
+    """A summary for the terminal: lengths in cm where they are below 1 m.
+
+    Args:
+        frame: what `summary` returns.
+        limit: most runs shown, the first and the last; how many are left out is said below.
+        width: room in characters. What does not fit is left out and named below: end, steps and run-out first, then the
+            last of the swept keys.
+
+    Returns:
+        A table for `rich.console.Console.print`.
+    """
+    runs = len(frame)
+    head, tail = (runs, 0) if runs <= limit else (limit - limit // 2, limit // 2)
+    shown = np.r_[0:head, runs - tail : runs]
+    columns = {str(name): _column(str(name), frame[name].to_numpy(), shown) for name in frame.columns}
+    left_out = _too_wide(columns, width)
+    columns = {name: lines for name, lines in columns.items() if name not in left_out}
+    table = Table(box=None, padding=(0, GAP, 0, 0), pad_edge=False, header_style="bold")
+    for heading, _ in columns.values():
+        table.add_column(heading, justify="right", no_wrap=True)
+    for n in range(shown.size):
+        if n == head:
+            table.add_row(*["..."] * len(columns))
+        table.add_row(*(cells[n] for _, cells in columns.values()))
+    counts = frame["status"].value_counts()
+    notes = [f"{runs - shown.size} of {runs} runs are left out"] if shown.size < runs else []
+    notes += [", ".join(f"{count} {word}" for word, count in counts.items())] if len(counts) > 1 else []
+    notes += [f"without {', '.join(left_out)}, for want of room"] if left_out else []
+    table.caption, table.caption_justify = "\n".join(notes) or None, "left"
+    return table
+
+
+def _column(name: str, values: np.ndarray, shown: np.ndarray) -> tuple[str, list[str]]:
+    """Heading, in two lines, and cells of a printed column."""
+    section, _, key = name.rpartition(".")
+    title, unit = PRINTED.get(name, (key, ""))
+    factor, form = {"m": (1.0, ".3f"), "%": (100.0, "+.2f")}.get(unit, (1.0, ".4g"))
+    if unit == "m" and _typical(values) < 1.0:
+        unit, factor, form = "cm", 100.0, ".2f"
+    heading = f"{section}.\n{title}" if section else f"{title}\n({unit})" if unit else f"{title}\n"
+    return heading, [_cell(value, factor, form) for value in values[shown].tolist()]
+
+
+def _typical(values: Array) -> float:
+    """Median of the amounts: a run that blew up does not decide the unit."""
+    finite = abs(values[np.isfinite(values)])
+    return float(np.median(finite)) if finite.size else 0.0
+
+
+def _cell(value: Any, factor: float, form: str) -> str:
+    """A value as it is printed."""
+    if not isinstance(value, float):
+        return str(value)
+    if math.isnan(value):
+        return "-"
+    return format(factor * value, form if abs(factor * value) < 1e5 else ".3g")
+
+
+def _too_wide(columns: dict[str, tuple[str, list[str]]], room: int) -> list[str]:
+    """Columns to leave out for the rest to fit, in characters: first what says least, then the last swept keys."""
+    widths = {name: GAP + max(map(cell_len, [*head.split("\n"), *cells])) for name, (head, cells) in columns.items()}
+    spare = ["end_time", "steps", "run_out", *reversed([name for name in columns if "." in name])]
+    left_out: list[str] = []
+    while spare and sum(widths.values()) - GAP > room:
+        left_out.append(spare.pop(0))
+        del widths[left_out[-1]]
+    return left_out

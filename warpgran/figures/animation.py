@@ -1,0 +1,176 @@
+"""Animations of a result: the collapse of one run on its slope, a frame a snapshot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from warpgran.analysis.fields import parameter
+from warpgran.arrays import Array
+from warpgran.errors import ResultError
+from warpgran.figures.style import (
+    STYLE,
+    checked,
+    computed_snapshots,
+    number,
+    one_run,
+    run_heading,
+    wet_range,
+)
+from warpgran.files import replacing
+
+ANIMATION_SUFFIXES = (".gif", ".mp4")
+
+
+def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, dpi: float = 110) -> Path:
+    """Animate the collapse of one run on its slope, one frame a snapshot, coloured by volume fraction.
+
+    Args:
+        data: a result with two snapshots or more.
+        path: the animation to write: .gif, or .mp4 where ffmpeg is installed.
+        run: which run of the result.
+        fps: frames a second.
+        dpi: pixels an inch; a frame is about 8 inches wide.
+
+    Returns:
+        The path of the animation.
+
+    Raises:
+        ResultError: another suffix, .mp4 without ffmpeg, no such run, or fewer than two snapshots.
+    """
+    path = checked(path, ANIMATION_SUFFIXES)
+    writer = _movie_writer(path.suffix.lower(), fps)
+    one = computed_snapshots(one_run(data, run))
+    if one.sizes["time"] < 2:
+        raise ResultError(
+            f"an animation needs two snapshots or more, run {run} has {one.sizes['time']}: "
+            "set `time.snapshots = { every = 0.02 }` in the run file and run it again"
+        )
+    with rc_context(STYLE), replacing(path) as part:
+        scene = Scene(one, dpi)
+        with writer.saving(scene.figure, str(part), dpi):
+            for instant in range(one.sizes["time"]):
+                scene.show(instant)
+                writer.grab_frame()
+    return path
+
+
+class Scene:
+    """The picture that an animation moves: slope, wall, material, colour bar, time."""
+
+    def __init__(self, one: xr.Dataset, dpi: float) -> None:
+        """Draw what stays. one: one run with its snapshots; dpi: pixels an inch."""
+        self.theta = np.deg2rad(number(one, "slope.angle"))
+        self.one = one.isel(cell=wet_range(one))
+        self.edges, self.bed = _edges(self.one["x"].values), _at_edges(self.one["bed"].values)
+        self.thick = self.one["h"].values > number(one, "scheme.h_front", 1e-3)
+        self.figure, self.ax = self._canvas(dpi)
+        self._draw_ground(one)
+        self._draw_walls(one)
+        self.material = PolyCollection([], cmap="viridis", edgecolors="face", linewidths=0.5, zorder=2)
+        self.ax.add_collection(self.material, autolim=False)
+        self._draw_colour_bar()
+
+    def show(self, instant: int) -> None:
+        """Move the material to a snapshot."""
+        thick = self.thick[instant]
+        bottom, top = self._tilted(self.edges, self.bed), self._surface(instant)
+        quads = np.stack([bottom[:-1], bottom[1:], top[1:], top[:-1]], axis=1)
+        self.material.set_verts(list(quads[thick]))
+        self.material.set_array(self.one["phi"].values[instant][thick])
+        self.ax.set_title(f"$t$ = {float(self.one['time'][instant]):.3f} s", loc="left", fontsize=9)
+
+    def _tilted(self, x: Array, z: Array) -> Array:
+        """Horizontal and vertical position [m] of what lies at x along the slope and z normal to it [m]."""
+        cos, sin = np.cos(self.theta), np.sin(self.theta)
+        return np.stack([x * cos + z * sin, -x * sin + z * cos], axis=-1)
+
+    def _surface(self, instant: int) -> Array:
+        """The free surface at the edges of the cells [m]."""
+        h = np.nan_to_num(self.one["h"].values[instant])
+        return self._tilted(self.edges, self.bed + _at_edges(h))
+
+    def _canvas(self, dpi: float) -> tuple[Figure, Axes]:
+        """A figure just as large as the view needs at equal aspect; its pixels are even, as video asks."""
+        corners = [self._tilted(self.edges, self.bed), *(self._surface(i) for i in range(self.one.sizes["time"]))]
+        low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+        pad = 0.03 * np.max(high - low)
+        low, high = low - pad, high + pad
+        scale = np.min(np.array([6.0, 4.6]) / (high - low))  # inches a metre
+        size = np.maximum((high - low) * scale, [3.6, 1.3])
+        high = low + size / scale
+        title = run_heading(self.one, int(13 * (size[0] + 1.9)))
+        left, bottom, right, top = 0.75, 0.5, 1.15, 0.4 + 0.17 * (1 + title.count("\n"))
+        whole = 2 * np.ceil((size + np.array([left + right, bottom + top])) * dpi / 2) / dpi
+        figure = Figure(figsize=(whole[0], whole[1]))
+        FigureCanvasAgg(figure)
+        ax = figure.add_axes((left / whole[0], bottom / whole[1], size[0] / whole[0], size[1] / whole[1]))
+        ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        ax.set(xlabel="horizontal position (m)", ylabel="vertical position (m)")
+        figure.suptitle(title, fontsize=9, y=1 - 0.08 / whole[1])
+        return figure, ax
+
+    def _draw_ground(self, one: xr.Dataset) -> None:
+        """The slope, constant beyond the ends of the grid."""
+        x, bed = one["x"].values, one["bed"].values
+        far = 10.0 * np.ptp(x)
+        line = self._tilted(np.r_[x[0] - far, x, x[-1] + far], np.r_[bed[0], bed, bed[-1]])
+        below = self._tilted(np.r_[x[-1] + far, x[0] - far], np.full(2, bed.min() - far))
+        self.ax.fill(*np.concatenate([line, below]).T, facecolor="0.88", edgecolor="0.3", linewidth=0.8, zorder=1)
+
+    def _draw_walls(self, one: xr.Dataset) -> None:
+        """The ends of the grid that are walls, normal to the slope."""
+        edges, bed = _edges(one["x"].values), one["bed"].values
+        height = float(np.nanmax(one["h"].values))
+        for key, end in (("scheme.left", 0), ("scheme.right", -1)):
+            if parameter(one, key, "open").item() == "wall":
+                foot = self._tilted(np.full(2, edges[end]), bed[end] + np.array([0.0, height]))
+                self.ax.add_line(Line2D(*foot.T, color="0.2", linewidth=2.5, zorder=3))
+
+    def _draw_colour_bar(self) -> None:
+        """Volume fraction, the same colours in all frames; 1 % of the material lies beyond each end.
+
+        A white line marks phi_stat.
+        """
+        phi, h = self.one["phi"].values[self.thick], self.one["h"].values[self.thick]
+        order = np.argsort(phi)
+        below = np.cumsum(h[order])
+        low, high = np.interp([0.01 * h.sum(), 0.99 * h.sum()], below, phi[order]) if phi.size else (0.0, 1.0)
+        widen = max(0.0, 0.02 - (high - low)) / 2
+        self.material.set_clim(low - widen, high + widen)
+        box = self.ax.get_position()
+        bar = self.figure.add_axes((box.x1 + 0.15 / self.figure.get_figwidth(), box.y0, 0.018, box.height))
+        self.figure.colorbar(self.material, cax=bar, extend="both", label=r"volume fraction $\varphi$ (-)")
+        bar.axhline(number(self.one, "rheology.phi_stat"), color="white", linestyle="--", linewidth=1.0)
+
+
+def _edges(x: Array) -> Array:
+    """The edges of uniform cells, from their centres [m]."""
+    dx = (x[-1] - x[0]) / max(1, x.size - 1)
+    return np.append(x - dx / 2, x[-1] + dx / 2)
+
+
+def _at_edges(values: Array) -> Array:
+    """Values of cells at their edges: the mean of the two neighbours, the cell's own value at the ends."""
+    padded = np.pad(values, 1, mode="edge")
+    return np.asarray((padded[1:] + padded[:-1]) / 2)
+
+
+def _movie_writer(suffix: str, fps: int) -> AbstractMovieWriter:
+    """What writes a GIF or a video."""
+    if suffix == ".gif":
+        return PillowWriter(fps=fps)
+    if not FFMpegWriter.isAvailable():
+        raise ResultError(
+            "writing .mp4 needs ffmpeg, which was not found: install it, or choose a name that ends in .gif"
+        )
+    return FFMpegWriter(fps=fps)

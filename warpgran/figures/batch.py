@@ -1,0 +1,311 @@
+"""The figure of a batch: what came of its runs over what varies between them, and how their fronts moved.
+
+One page: run-out, final maximum thickness, stop time and largest dilation against each swept key; the front positions
+over time, as lines or, of many runs, as bands; with two swept keys, the run-out over both. Runs that ended early are
+red crosses at their parameters and count nowhere else: what they reached is no result of their parameters.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+
+from warpgran.analysis.fields import parameter
+from warpgran.analysis.summary import summary
+from warpgran.arrays import Array
+from warpgran.errors import ResultError
+from warpgran.figures.names import named
+from warpgran.figures.style import (
+    CLEAN,
+    FRONT_LABEL,
+    PLOT_SUFFIXES,
+    STYLE,
+    TIME_LABEL,
+    WIDTH,
+    Panel,
+    checked,
+    heading,
+    hold_open,
+    legend,
+    letter,
+    small_print,
+)
+from warpgran.figures.swept_keys import Key, runs_along, varied_keys
+from warpgran.files import replacing
+
+GAP = 0.2  # between panels, inches
+MAX_KEYS = 4  # columns of panels that fit the page
+MAX_LINES = 50  # fronts drawn one by one, and lines of joined points in a panel
+MAX_JOINED = 30  # values of a key whose points are joined
+CROSS: Any = {"color": "tab:red", "marker": "x", "markersize": 3.5, "markeredgewidth": 0.8, "linestyle": "none"}
+QUANTITIES = (
+    Panel("run_out", "run-out\n" + r"$x_\mathrm{f} - x_\mathrm{f}(0)$ (m)", span=0.01),
+    Panel("h_max", "final max.\nthickness (cm)", factor=100.0, span=1.0),
+    Panel("stop_time", "stop time\n" + r"$t_\mathrm{stop}$ (s)", span=0.01),
+    Panel("dilation_max", "max. dilation\n" + r"$\Delta V/V_0$ (%)", factor=100.0, span=1.0),
+)
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What the page draws.
+
+    Attributes:
+        frame: the summary, without the values of runs that ended early.
+        front: front position (run, sample) [m].
+        time: of the samples [s].
+        done: which runs did not end early, shape (run,).
+        keys: all that vary.
+        drawn: those that have a column of panels.
+        correlation: of each key with the run-out, by name.
+    """
+
+    frame: pd.DataFrame
+    front: Array
+    time: Array
+    done: np.ndarray
+    keys: list[Key]
+    drawn: list[Key]
+    correlation: dict[str, float]
+
+
+def plot_batch(data: xr.Dataset, path: str | Path) -> Path:
+    """Draw all runs of a batch on one page, 180 mm wide.
+
+    Args:
+        data: a result with two runs or more, see the page on the result file.
+        path: the picture to write: .png (200 dpi), .pdf or .svg.
+
+    Returns:
+        The path of the picture.
+
+    Raises:
+        ResultError: another suffix, a single run, or no run with a front to draw.
+    """
+    path = checked(path, PLOT_SUFFIXES)
+    with rc_context(STYLE), replacing(path) as part:
+        _page(data, _batch(data)).savefig(part, dpi=200)
+    return path
+
+
+def _batch(data: xr.Dataset) -> Batch:
+    """What the page draws, chosen and computed."""
+    runs = data.sizes.get("run", 1)
+    if runs < 2:
+        raise ResultError("the figure of a batch needs two runs or more; figures.plot draws a single one")
+    frame = summary(data)
+    if not np.isfinite(frame["front"]).any():
+        raise ResultError("there is nothing to draw: no run has a front, `time.series` may be empty")
+    done = frame["status"].isin(CLEAN).to_numpy()
+    frame.loc[~done, [panel.name for panel in QUANTITIES]] = np.nan
+    keys = varied_keys(data)
+    correlation = {key.name: key.correlation(frame["run_out"].to_numpy()) for key in keys}
+    ranked = sorted(keys, key=lambda key: -abs(correlation[key.name]))
+    drawn = keys if len(keys) <= MAX_KEYS else ranked[:MAX_KEYS]
+    drawn = drawn if any(key.numeric for key in drawn) else []
+    front = data["front"].transpose("run", "sample").values
+    return Batch(frame, front, data["series_time"].values, done, keys, drawn, correlation)
+
+
+def _page(data: xr.Dataset, batch: Batch) -> Figure:
+    """The whole page, just as high as its parts ask: heading, panels, fronts and map, small print."""
+    columns, mapped = len(batch.drawn), len(batch.keys) == len(batch.drawn) == 2
+    title, caption = _heading(data, batch), _caption(batch, mapped)
+    across = 3 if columns <= 2 else 2
+    legend_rows = max((_legend_rows(_colour_key(batch, key), across) for key in batch.drawn), default=0)
+    front_rows = 1 if len(batch.done) > MAX_LINES else _legend_rows(_front_key(batch), 3 if mapped else 6)
+    # Inches from the top of the page.
+    panel, rows, fronts = ((1.35, 2, 1.9) if columns == 1 else (1.02, 4, 1.6)) if columns else (0.0, 0, 1.9)
+    panels_top = 0.25 + 0.18 * (1 + title.count("\n"))
+    panels_end = panels_top + rows * (panel + GAP) - GAP
+    fronts_top = panels_end + (0.65 if columns <= 2 else 0.8) + 0.15 * legend_rows if rows else panels_top
+    fronts_end = fronts_top + fronts
+    height = fronts_end + 0.63 + 0.15 * front_rows + 0.13 * (1 + caption.count("\n"))
+
+    figure = Figure(figsize=(WIDTH, height))
+    place: Any = {"left": 0.095, "right": 0.98}
+    axes: list[Axes] = []
+    if rows:
+        grid = figure.add_gridspec(
+            rows, max(2, columns), top=1 - panels_top / height, bottom=1 - panels_end / height, hspace=GAP / panel,
+            wspace=0.26 if columns == 1 else 0.12, **place,
+        )  # fmt: skip
+        axes += _draw_panels(batch, grid)
+    grid = figure.add_gridspec(
+        1, 2 if mapped else 1, top=1 - fronts_top / height, bottom=1 - fronts_end / height, wspace=0.26, **place
+    )
+    axes.append(figure.add_subplot(grid[0, 0]))
+    _draw_fronts(axes[-1], batch)
+    legend(axes[-1:], 3 if mapped else 6)
+    small_print(axes[-1], caption)
+    if mapped:
+        axes.append(figure.add_subplot(grid[0, 1]))
+        _draw_map(axes[-1], batch)
+    letter(axes)
+    for edge in {ax.get_position().x0 for ax in axes}:
+        figure.align_ylabels([ax for ax in axes if ax.get_position().x0 == edge])
+    figure.suptitle(title, fontsize=9, y=1 - 0.08 / height, linespacing=1.4)
+    return figure
+
+
+def _heading(data: xr.Dataset, batch: Batch) -> str:
+    """Title, number of runs, what varies, and the main parameters that do not."""
+    varied = [key.span() for key in batch.drawn or batch.keys[:MAX_KEYS]]
+    fixed = [key for key in ("slope.angle", "column.phi", "rheology.K") if key not in data.coords]
+    fixed = [named(key).value(float(parameter(data, key).item())) for key in fixed]
+    return heading(data, [f"{len(batch.done)} runs", *varied, *fixed])
+
+
+def _caption(batch: Batch, mapped: bool) -> str:
+    """The small print: what is left out and what the marks mean."""
+    runs, ended = len(batch.done), batch.frame["status"][~batch.done].value_counts()
+    said = []
+    if len(ended):
+        where = ["at the lower edges"] * bool(batch.drawn) + ["in the map"] * mapped + ["where their fronts ended"]
+        words = " and ".join(f"{count} {word.replace('_', ' ')}" for word, count in ended.items())
+        said.append(f"Without a result: {words} of {runs} runs, red crosses {', '.join(where)}, else left out.")
+    if batch.drawn:
+        resting = int(batch.frame["stop_time"].notna().sum())
+        said.append(f"{resting} of {runs} runs came to rest and have a stop time.")
+    left_out = [key.name for key in batch.keys if key not in batch.drawn]
+    if batch.drawn and left_out:
+        found = ", ".join(f"{key.name} {batch.correlation[key.name]:+.2f}" for key in batch.drawn)
+        said.append(
+            f"Of the {len(batch.keys)} swept keys, the {MAX_KEYS} whose rank correlation (Spearman) with the run-out "
+            f"is strongest: {found}; without {', '.join(left_out)}."
+        )
+    return textwrap.fill(" ".join(said).replace(" -", " \N{MINUS SIGN}"), 120)
+
+
+def _colour_key(batch: Batch, but: Key | None = None) -> Key | None:
+    """Of the other keys with few values the one that matters most, in whose colours a column of panels is drawn."""
+    others = [key for key in batch.keys if key is not but and key.few]
+    return max(others, key=lambda key: abs(batch.correlation[key.name]), default=None)
+
+
+def _front_key(batch: Batch) -> Key | None:
+    """The key in whose colours fronts are drawn one by one."""
+    return _colour_key(batch) or next(iter(batch.drawn), None)
+
+
+def _legend_rows(key: Key | None, columns: int) -> int:
+    """Lines of a legend that names the values of a key."""
+    return 0 if key is None else -(-key.levels.size // columns) if key.few else 1
+
+
+def _draw_panels(batch: Batch, grid: GridSpec) -> list[Axes]:
+    """Every quantity against every key: a column a key, or two by two for a single key. Returns them in order."""
+    alone = len(batch.drawn) == 1
+    panels: Any = grid.subplots(sharex="all" if alone else "col", sharey=False if alone else "row")
+    lines = 1 if len(batch.drawn) <= 2 else 2
+    by_key = [list(panels.flat)] if alone else [list(column) for column in panels.T]
+    for key, column in zip(batch.drawn, by_key, strict=True):
+        colour = _colour_key(batch, key)
+        groups = runs_along(key, batch.keys) if key.numeric and key.levels.size <= MAX_JOINED else []
+        groups = groups if len(groups) <= MAX_LINES else []
+        for ax, panel in zip(column, QUANTITIES, strict=True):
+            _draw_points(ax, key, colour, panel.factor * batch.frame[panel.name].to_numpy(), groups)
+            edge = ax.get_xaxis_transform()
+            ax.plot(key.at[~batch.done], np.full(sum(~batch.done), 0.06), **CROSS, transform=edge, rasterized=True)
+        for ax in column[-2:] if alone else column[-1:]:
+            key.label_axis(ax, lines)
+        if colour:
+            legend(column, 3 if lines == 1 else 2, 22.0 + 10.0 * lines)
+    for ax, panel in zip(by_key[0], QUANTITIES, strict=True):
+        ax.set_ylabel(panel.label)
+        _make_room(ax, panel, batch)
+    return [ax for column in by_key for ax in column]
+
+
+def _make_room(ax: Axes, panel: Panel, batch: Batch) -> None:
+    """Hold the axis of a quantity open, with room for the crosses below; say so where no run has the quantity."""
+    if not batch.frame[panel.name].notna().any():
+        ax.set_yticks([])
+        ax.text(0.5, 0.5, "none", transform=ax.transAxes, ha="center", va="center", color="0.3")
+        return
+    hold_open(ax, panel.span)
+    if not batch.done.all():
+        low, high = ax.get_ylim()
+        ax.set_ylim(low - 0.1 * (high - low), high)
+
+
+def _draw_points(ax: Axes, key: Key, colour: Key | None, values: Array, groups: list[np.ndarray]) -> None:
+    """One quantity against one key: joined points, or points alone."""
+    size = float(np.clip(40.0 / np.sqrt(values.size), 1.0, 3.0))
+    look: dict[str, Any] = {"marker": "o", "markersize": size, "markeredgewidth": 0.0, "rasterized": values.size > 200}
+    look |= {"linestyle": "none", "alpha": 1.0 if values.size <= 500 else 0.6}
+    if colour is None:
+        ax.plot(key.at, values, color="0.2", **look)
+    else:
+        for level, tint in enumerate(colour.colours):
+            runs = np.flatnonzero(colour.level == level)
+            ax.plot(key.at[runs], values[runs], color=tint, label=colour.label(level), **look)
+    for runs in groups:
+        shade = colour.colours[colour.level[runs[0]]] if colour else "0.2"
+        ax.plot(key.at[runs], values[runs], color=shade, linewidth=0.8)
+
+
+def _draw_fronts(ax: Axes, batch: Batch) -> None:
+    """Front positions over time: lines, or median and bands of many runs; those of runs that ended early in red."""
+    done = batch.front[batch.done]
+    if len(batch.done) <= MAX_LINES:
+        _draw_lines(ax, batch)
+    elif np.isfinite(done).any():
+        known = np.isfinite(done).any(axis=0)
+        low, lower, middle, upper, high = np.nanpercentile(done[:, known], [5, 25, 50, 75, 95], axis=0)
+        ax.fill_between(batch.time[known], low, high, color="0.88", linewidth=0.0, label="5 to 95 % of runs")
+        ax.fill_between(batch.time[known], lower, upper, color="0.7", linewidth=0.0, label="25 to 75 %")
+        ax.plot(batch.time[known], middle, color="black", label="median")
+    known = np.isfinite(batch.front[~batch.done])
+    last = known.shape[1] - 1 - np.argmax(known[:, ::-1], axis=1)
+    ends = batch.front[~batch.done][np.arange(last.size), last]
+    ax.plot(batch.time[last], ends, **CROSS, rasterized=True)
+    ax.set_xlabel(TIME_LABEL)
+    ax.set_ylabel(FRONT_LABEL)
+    if batch.time.size > 1:
+        ax.set_xlim(batch.time[0], batch.time[-1])
+    hold_open(ax, 0.01)
+
+
+def _draw_lines(ax: Axes, batch: Batch) -> None:
+    """The front of each run, in the colours of a key; a few names in the legend."""
+    key = _front_key(batch)
+    named_levels: set[int] = set()
+    for r, front in enumerate(batch.front):
+        look: dict[str, Any] = {"color": "0.3" if batch.done[r] else "tab:red"}
+        if key is not None and batch.done[r]:
+            level = int(key.level[r])
+            look = {"color": key.colours[level], "label": None if level in named_levels else key.label(level)}
+            named_levels.add(level)
+        ax.plot(batch.time, front, linewidth=0.8, **look)
+
+
+def _draw_map(ax: Axes, batch: Batch) -> None:
+    """The run-out over the two keys: cells where the values form a full grid, else points."""
+    a, b = batch.drawn
+    value = batch.frame["run_out"].to_numpy()
+    known = value[np.isfinite(value)]
+    low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
+    look: dict[str, Any] = {"cmap": "viridis", "vmin": low, "vmax": max(high, low + 0.01), "rasterized": True}
+    shape = (b.levels.size, a.levels.size)
+    if value.size == a.levels.size * b.levels.size == np.unique(b.level * shape[1] + a.level).size:
+        cells = np.full(shape, np.nan)
+        cells[b.level, a.level] = value
+        picture: Any = ax.pcolormesh(a.edges, b.edges, cells, **look)
+    else:
+        size = float(np.clip(2000.0 / value.size, 2.0, 20.0))
+        picture = ax.scatter(a.at[batch.done], b.at[batch.done], size, value[batch.done], linewidths=0.0, **look)
+    ax.plot(a.at[~batch.done], b.at[~batch.done], **CROSS)
+    ax.figure.colorbar(picture, ax=ax, label="run-out (m)", pad=0.03)
+    a.label_axis(ax, 1)
+    b.label_axis(ax, 1, horizontal=False)

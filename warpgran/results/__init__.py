@@ -1,0 +1,1 @@
+"""Results: their layout, in memory and in files."""

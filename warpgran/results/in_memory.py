@@ -1,0 +1,56 @@
+"""Results of a study kept in memory, and as a labelled dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from warpgran.arrays import Array
+from warpgran.results.layout import Layout, status_attributes
+from warpgran.schema import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class MemoryResults:
+    """Results kept in memory.
+
+    Attributes:
+        layout: What they consist of.
+        arrays: By name, with a first dimension of runs; NaN, and status pending, for what is not there yet.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self.layout = layout
+        n = layout.runs.size
+        self.arrays = {name: _blank((n, *column.shape), column.dtype) for name, column in layout.columns.items()}
+        self.arrays["status"][:] = Status.PENDING
+
+    def put(self, at: Sequence[int], rows: Mapping[str, Array]) -> None:
+        """Store rows of `Layout.rows` at these places."""
+        for name, values in rows.items():
+            self.arrays[name][list(at)] = values
+
+    def to_dataset(self, **attributes: Any) -> xr.Dataset:
+        """The results as an xarray.Dataset; the keys in which runs differ are coordinates of `run`."""
+        import xarray as xr
+
+        columns = self.layout.columns
+        both = {name: (columns[name].schema, values) for name, values in self.arrays.items()} | self.layout.shared()
+        variables: dict[str, Any] = {
+            name: xr.Variable(schema.dims, value, {"units": schema.units, "long_name": schema.long_name})
+            for name, (schema, value) in both.items()
+        }
+        variables["failure"] = variables["failure"].astype(str)
+        variables["status"].attrs |= status_attributes()
+        coordinates: dict[str, Any] = {name: variables.pop(name) for name in ("x", "time", "series_time")}
+        coordinates |= self.layout.sizes()
+        coordinates |= {key: ("run", values) for key, values in self.layout.parameters().items()}
+        return xr.Dataset(variables, coordinates, self.layout.attributes(**attributes))
+
+
+def _blank(shape: tuple[int, ...], dtype: np.dtype[Any]) -> Array:
+    return np.full(shape, np.nan) if dtype.kind == "f" else np.zeros(shape, dtype)

@@ -1,0 +1,178 @@
+"""The results of a study: what is computed of each run, and all of it in memory as a labelled dataset."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from importlib.metadata import version
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.case.identity import identity
+from warpgran.case.problems import CaseError, Problem
+from warpgran.case.study import Study
+from warpgran.schema import COORDINATES, FIELDS, PER_RUN, SCHEMA_VERSION, SERIES, Status, Variable
+from warpgran.solve.finished import SCALARS, Finished
+from warpgran.solve.schedule import Outputs
+
+FAILURE = np.dtype("S200")
+"""Room for the words that say how a run diverged."""
+
+
+class Column(NamedTuple):
+    """What a result holds of each run: the schema, and the shape and type of one run's part."""
+
+    schema: Variable
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+
+
+class Layout:
+    """What the result of some runs of a study consists of.
+
+    Attributes:
+        study: The whole study.
+        runs: Numbers of the runs that this result is of, in increasing order.
+        outputs: When they are recorded.
+        cells: Of the largest grid.
+        one_grid: Whether all runs have the same cells and bed.
+        columns: What there is of each run.
+    """
+
+    def __init__(self, study: Study, runs: Sequence[int] | None = None) -> None:
+        """Plan for the runs given, all of the study by default.
+
+        Raises:
+            CaseError: The runs do not share their output times.
+        """
+        self.study = study
+        self.runs = np.arange(len(study)) if runs is None else np.asarray(runs)
+        self.outputs = Outputs.of(study.base)
+        self.one_grid, self.cells = True, study.base.grid.cells
+        if study.given:
+            _check_times(study.given)
+            self.cells = max(case.grid.cells for case in study.given)
+            x, bed = study.base.x, study.base.bed
+            self.one_grid = all(np.array_equal(c.x, x) and np.array_equal(c.bed, bed) for c in study.given)
+        elif any(key.startswith("grid.") for key in study.keys):
+            self.one_grid = False
+            self.cells = max(study.values("grid.cells")) if "grid.cells" in study.keys else self.cells
+        self.columns = self._columns()
+
+    def _columns(self) -> dict[str, Column]:
+        real = np.dtype(np.float64)
+        fields = {name: Column(v, (self.outputs.snapshots, self.cells), real) for name, v in FIELDS.items()}
+        series = {name: Column(v, (self.outputs.samples,), real) for name, v in SERIES.items()}
+        types: dict[str, np.dtype[Any]] = {"status": np.dtype(np.int8), "steps": np.dtype(np.int64), "failure": FAILURE}
+        single = {name: Column(v, (), types.get(name, real)) for name, v in PER_RUN.items()}
+        grid = {} if self.one_grid else {name: Column(v, (self.cells,), real) for name, v in self._grid().items()}
+        return {**fields, **series, **single, **grid}
+
+    def _grid(self) -> dict[str, Variable]:
+        dims = ("cell",) if self.one_grid else ("run", "cell")
+        return {name: COORDINATES[name]._replace(dims=dims) for name in ("x", "bed")}
+
+    def rows(self, cases: Sequence[Case], finished: Finished) -> dict[str, Array]:
+        """What is stored of runs that have ended, every array with a first dimension of runs."""
+        rows = {
+            name: _wide(profile, self.cells, [case.grid.cells for case in cases])
+            for name, profile in zip(FIELDS, finished.profiles, strict=True)
+        }
+        t = self.outputs.times[self.outputs.sample_at >= 0]
+        scalars = dict(zip(SCALARS, np.moveaxis(finished.scalars, 2, 0), strict=True))
+        volume = np.array([_volume(case) for case in cases])[:, None]
+        rows |= {name: scalars[name] for name in SERIES.keys() & scalars.keys()}
+        rows["volume_change"] = scalars["volume"] / volume - 1.0
+        flat = np.full_like(rows["front"], np.nan)
+        rows["front_speed"] = np.gradient(rows["front"], t, axis=1) if t.size > 1 else flat
+        rest_speeds = [case.time.rest_speed for case in cases]
+        rows["stop_time"] = np.array(
+            [stop_time(t, v, rest) for v, rest in zip(scalars["v_flow"], rest_speeds, strict=True)]
+        )
+        rows |= {"status": finished.status, "steps": finished.steps, "end_time": finished.end_time}
+        words = [str(finished.failures[r]) if r in finished.failures else "" for r in range(len(cases))]
+        rows["failure"] = np.array([word.encode() for word in words], dtype=FAILURE)
+        if not self.one_grid:
+            for name in ("x", "bed"):
+                rows[name] = np.full((len(cases), self.cells), np.nan)
+                for row, case in zip(rows[name], cases, strict=True):
+                    row[: case.grid.cells] = getattr(case, name)
+        return rows
+
+    def shared(self) -> dict[str, tuple[Variable, Array]]:
+        """What is the same for all runs: the times, and x and bed if there is one grid."""
+        times = self.outputs.times
+        shared = {
+            "time": (COORDINATES["time"], times[self.outputs.snapshot_at >= 0]),
+            "series_time": (COORDINATES["series_time"], times[self.outputs.sample_at >= 0]),
+        }
+        if self.one_grid:
+            shared |= {name: (v, getattr(self.study.base, name)) for name, v in self._grid().items()}
+        return shared
+
+    def parameters(self) -> dict[str, list[Any]]:
+        """Values by run of the keys in which the runs differ."""
+        return {key: [values[r] for r in self.runs] for key in self.study.keys if (values := self.study.values(key))}
+
+    def sizes(self) -> dict[str, Array]:
+        """The dimensions that are counted, not measured: the number of each run, sample and cell."""
+        return {"run": self.runs, "sample": np.arange(self.outputs.samples), "cell": np.arange(self.cells)}
+
+    def attributes(self, **more: Any) -> dict[str, Any]:
+        """Attributes of the whole result."""
+        base = self.study.base
+        return {
+            "title": base.title,
+            "schema_version": SCHEMA_VERSION,
+            "run_file": self.study.source,
+            "case_toml": base.to_toml(),
+            "identity": identity(base),
+            "warpgran_version": version("warpgran"),
+            "warp_version": version("warp-lang"),
+            "numpy_version": version("numpy"),
+            "python_version": platform.python_version(),
+            "date": datetime.now(UTC).isoformat(timespec="seconds"),
+            **more,
+        }
+
+
+def stop_time(t: Array, v_flow: Array, rest_speed: float) -> float:
+    """First sample time [s] after which the speed stays below rest_speed [m/s]; NaN if it never does.
+
+    The initial state is at rest without having stopped: what counts is after the mass has moved.
+    """
+    moving = np.flatnonzero(~(v_flow < rest_speed))
+    if moving.size == 0 or moving[-1] == t.size - 1:
+        return float("nan")
+    return float(t[moving[-1] + 1])
+
+
+def status_attributes() -> dict[str, Any]:
+    """Meaning of the status codes, as CF has it."""
+    return {
+        "flag_values": np.array([int(s) for s in Status], dtype=np.int8),
+        "flag_meanings": " ".join(s.word for s in Status),
+    }
+
+
+def _check_times(cases: Sequence[Case]) -> None:
+    if len({(case.snapshot_times, case.sample_times, case.time.end) for case in cases}) != 1:
+        raise CaseError([Problem("", "the cases of a batch must share time.snapshots, time.series and time.end")])
+
+
+def _wide(profile: Array, cells: int, each: Sequence[int]) -> Array:
+    """Profiles (runs, snapshots, any) as (runs, snapshots, cells), NaN beyond the cells of each run."""
+    wide = np.full((*profile.shape[:2], cells), np.nan)
+    for row, source, n in zip(wide, profile, each, strict=True):
+        row[:, :n] = source[:, :n]
+    return wide
+
+
+def _volume(case: Case) -> float:
+    """Volume per unit width [m2] of the cells that start thicker than h_front; NaN if there are none."""
+    h, _ = case.initial_state()
+    return float(h[h > case.scheme.h_front].sum() * case.dx) or float("nan")

@@ -1,0 +1,92 @@
+"""Joining the shares of a study into one result file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from warpgran.files import StorageError, replacing
+
+SAME = ("identity", "precision", "engine", "warpgran_version", "warp_version", "schema_version", "run_file")
+
+
+def merge(shards: Sequence[Path], path: Path) -> int:
+    """Join result files of the same study into one, in the order of their runs.
+
+    Args:
+        shards: Files that `warpgran run --shard` wrote.
+        path: The file to write.
+
+    Returns:
+        The number of runs.
+
+    Raises:
+        StorageError: They are not of one study, share a run, or cannot be read; or the file cannot be written.
+    """
+    with ExitStack() as stack, replacing(path) as part:
+        files = [stack.enter_context(_opened(shard)) for shard in shards]
+        for shard, file in zip(shards[1:], files[1:], strict=True):
+            differs = [name for name in SAME if file.attrs.get(name) != files[0].attrs.get(name)]
+            if differs:
+                raise StorageError(f"{shard} is not of the same study as {shards[0]}: {', '.join(differs)} differ")
+        runs = np.concatenate([file["run"][:] for file in files])
+        if np.unique(runs).size != runs.size:
+            raise StorageError(f"run {int(np.bincount(runs).argmax())} is in more than one file")
+        order = np.argsort(runs)
+        with h5py.File(part, "w") as target:
+            _join(files, target, order)
+    return int(runs.size)
+
+
+def _opened(path: Path) -> h5py.File:
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise StorageError(f"cannot read {path}: {error}") from None
+    if "schema_version" not in file.attrs:
+        file.close()
+        raise StorageError(f"cannot read {path}: it is not a warpgran result")
+    return file
+
+
+def _join(files: Sequence[h5py.File], target: h5py.File, order: np.ndarray) -> None:
+    first = files[0]
+    target.attrs.update(first.attrs)
+    for name in ("cell_steps", "kernel_seconds", "wall_seconds"):
+        target.attrs[name] = sum(file.attrs[name] for file in files)
+    names: list[str] = []
+    first.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+    scales = {name: first[name] for name in names if first[name].is_scale}
+    for name in sorted(names, key=lambda name: name not in scales):
+        _join_one(name, files, target, order)
+        if name in scales:
+            target[name].make_scale(name)
+        for axis, source in zip(target[name].dims, first[name].dims, strict=True):
+            for label in [] if name in scales else [scale.name for scale in source.values()]:
+                axis.attach_scale(target[label])
+        hidden = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST")
+        target[name].attrs.update({k: v for k, v in first[name].attrs.items() if k not in hidden})
+    if "params" not in target:
+        target.create_group("params")
+
+
+def _join_one(name: str, files: Sequence[h5py.File], target: h5py.File, order: np.ndarray) -> None:
+    """Copy a dataset of all files, run by run where it is by run."""
+    source = files[0][name]
+    by_run = name == "run" or any(scale.name == "/run" for scale in (source.dims[0].values() if source.shape else ()))
+    if not by_run:
+        target.create_dataset(name, data=source[()])
+        return
+    options = {key: getattr(source, key) for key in ("chunks", "compression", "compression_opts", "shuffle")}
+    data = target.create_dataset(name, (order.size, *source.shape[1:]), source.dtype, **options)
+    place = np.empty_like(order)
+    place[order] = np.arange(order.size)
+    at = 0
+    for file in files:
+        for row in range(file[name].shape[0]):
+            data[place[at]] = file[name][row]
+            at += 1

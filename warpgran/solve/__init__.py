@@ -1,0 +1,1 @@
+"""A block of runs from its initial states to its end."""

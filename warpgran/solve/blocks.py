@@ -1,0 +1,106 @@
+"""How a study is cut into blocks of runs that are computed together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+from warpgran.case.study import Study
+from warpgran.kernels.precision import Variant
+from warpgran.solve.schedule import Outputs
+from warpgran.solve.state import bytes_of_run, most_runs, padded_cells
+from warpgran.solve.variant import variant_of
+
+CACHE = 3 * 2**19
+"""Bytes of state of a block on a CPU, so that what a step visits stays in the second-level cache of a core: about half
+of it with the window, all of it without."""
+
+_VARIANT_KEYS = (
+    "rheology.phi_eq", "rheology.phi_eq_N", "scheme.alpha", "scheme.lambda", "scheme.relaxation", "scheme.viscosity",
+    "scheme.left", "scheme.right",
+)  # fmt: skip
+
+
+class Block(NamedTuple):
+    """Runs that are computed together.
+
+    Attributes:
+        runs: Their numbers in the study.
+        room: Runs the solver has room for, at least as many.
+        padded: Elements of its rows.
+        variant: What is compiled in.
+    """
+
+    runs: tuple[int, ...]
+    room: int
+    padded: int
+    variant: Variant
+
+
+def plan(
+    study: Study, runs: Sequence[int], outputs: Outputs, precision: str, *, on_cpu: bool, threads: int, memory: float
+) -> list[Block]:
+    """Cut runs of a study into blocks, each of one variant and of grids of about one size.
+
+    Args:
+        study: All runs.
+        runs: Numbers of those to compute.
+        outputs: When they are recorded.
+        precision: "float64" or "float32".
+        on_cpu: Whether a block is to fit the cache of a core, rather than fill the memory.
+        threads: Blocks computed at once; each gets some of the runs.
+        memory: Bytes that those may take together.
+
+    Raises:
+        MemoryError: A single run takes more, or more than any memory; the message says how much.
+    """
+    groups: dict[tuple[Variant, int], list[int]] = {}
+    for run, kind in zip(runs, _kinds(study, runs, precision), strict=True):
+        groups.setdefault(kind, []).append(run)
+    blocks = []
+    for (variant, padded), members in groups.items():
+        size = bytes_of_run(padded - 1, outputs, precision)
+        if size > memory:
+            raise MemoryError(f"a run of {padded - 1} cells takes {size / 2**20:.0f} MiB; allow that much or more")
+        most = most_runs(padded, outputs)
+        if most == 0:
+            kept = f"{outputs.snapshots} snapshots and {outputs.samples} samples"
+            raise MemoryError(
+                f"a run of {padded - 1} cells with {kept} has more numbers than fit an array; ask for fewer"
+            )
+        room = min(int(memory / max(1, min(threads, len(members))) // size), most, -(-len(members) // threads))
+        if on_cpu:
+            room = min(room, CACHE // bytes_of_run(padded - 1, Outputs.none(), precision))
+        parts = _evenly(members, max(1, room), threads)
+        blocks += [Block(part, len(parts[0]), padded, variant) for part in parts]
+    return blocks
+
+
+def _evenly(runs: Sequence[int], room: int, threads: int) -> list[tuple[int, ...]]:
+    """Cut into parts of at most `room`, as many for each thread, and alike but for one run; the largest comes first."""
+    each = -(-len(runs) // (room * threads))
+    count = min(each * threads, len(runs))
+    ends = [-(-len(runs) * k // count) for k in range(count + 1)]
+    return [tuple(runs[begin:end]) for begin, end in pairwise(ends)]
+
+
+def _kinds(study: Study, runs: Sequence[int], precision: str) -> list[tuple[Variant, int]]:
+    """Variant and padded cells, in steps of a quarter, of each run."""
+    keys = [key for key in (*_VARIANT_KEYS, "grid.cells") if key in study.keys]
+    columns = [study.values(key) for key in keys]
+    known: dict[tuple[object, ...], tuple[Variant, int]] = {}
+    kinds = []
+    for run in runs:
+        values = tuple(column[run] for column in columns)
+        if values not in known:
+            case = study[run]
+            known[values] = variant_of(case, precision), _rounded(padded_cells(case.grid.cells))
+        kinds.append(known[values])
+    return kinds
+
+
+def _rounded(padded: int) -> int:
+    """Up to three significant binary digits, so that grids of nearly one size share a block."""
+    unit = 1 << max(0, padded.bit_length() - 3)
+    return padded_cells(-(-padded // unit) * unit - 1)

@@ -1,0 +1,161 @@
+"""What computes a block of runs: the Warp kernels, or the NumPy reference. Both hand over the same `Finished`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.physics.reference import Reference
+from warpgran.schema import Status
+from warpgran.solve.finished import SCALARS, Failure, Finished, fault
+from warpgran.solve.schedule import Outputs
+
+if TYPE_CHECKING:
+    from warpgran.solve.solver import Solver
+
+GoOn = Callable[[float], bool]
+"""Asked now and then, with the mean time reached [s], whether to go on."""
+
+
+def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
+    """Compute cases in a solver that has room for them and is of their variant.
+
+    Whether a run has diverged is judged at output times alone, so that it does not depend on how the steps between
+    are grouped; the step where it happened is then looked for.
+    """
+    solver.load(cases)
+    n, state = len(cases), solver.state
+    began = time.perf_counter()
+    while not solver.replay():
+        if not go_on(float(state.t.numpy()[:n].mean())):
+            break
+    seconds = time.perf_counter() - began
+    status = state.status.numpy()[:n].astype(np.int8)
+    status[state.active.numpy()[:n] != 0] = Status.INTERRUPTED
+    diverged = np.flatnonzero(status == Status.DIVERGED).tolist()
+    outputs = state.output.numpy()
+    precision, device = state.precision.name, str(solver.device)
+    failures = {r: _find_failure(cases[r], int(outputs[r]), precision, device) for r in diverged}
+    steps, end_time = state.steps.numpy()[:n].copy(), state.t.numpy()[:n].copy()
+    for r, failure in failures.items():
+        steps[r], end_time[r] = failure.step - 1, failure.time
+    profiles = tuple(field[:n] for field in state.recorded_profiles())
+    return Finished(state.recorded_scalars()[:n], profiles, status, steps, end_time, failures, seconds)
+
+
+def _find_failure(case: Case, output: int, precision: str, device: str) -> Failure:
+    """Compute a run alone, which gives the same bits, and look at every step on the way to the output it did not reach.
+
+    Args:
+        case: One that diverges.
+        output: Index of the first output time at which it was not sound.
+        precision: "float64" or "float32".
+        device: A Warp device.
+    """
+    from warpgran.solve.solver import Solver
+
+    alone = Solver.holding([case], precision_name=precision, device=device)
+    state = alone.state
+    t, found = 0.0, None
+    while not found:
+        t = float(state.t.numpy()[0])
+        ended = alone.replay(budget=1)
+        if int(state.output.numpy()[0]) >= output:
+            found = fault(np.stack([state.of_run(u, 0) for u in state.U]).astype(float))
+        if ended and not found:
+            found = -1, f"dt = {state.dt_exact.numpy()[0]:g} s"
+    cell, what = found
+    x = float(case.x[cell]) if cell >= 0 else float("nan")
+    return Failure(t, int(state.steps.numpy()[0]), cell, x, what)
+
+
+def run_reference(cases: Sequence[Case], go_on: GoOn) -> Finished:
+    """Compute cases by the NumPy reference, one after another."""
+    return _joined([_run_one(case, go_on) for case in cases])
+
+
+QUESTIONS = 100  # steps of the reference between two questions whether to go on
+
+
+def _run_one(case: Case, go_on: GoOn) -> Finished:
+    outputs = Outputs.of(case)
+    scalars = np.full((1, outputs.samples, len(SCALARS)), np.nan)
+    profiles = tuple(np.full((1, outputs.snapshots, case.grid.cells), np.nan) for _ in range(3))
+    run = Reference(case)
+    status, failure, speed = Status.OK, None, 0.0
+    began = time.perf_counter()
+    for k, (t, snapshot, sample) in enumerate(zip(outputs.times, outputs.snapshot_at, outputs.sample_at, strict=True)):
+        before = run.U, run.t, run.steps
+        status = _advance(run, float(t), go_on)
+        if status == Status.DIVERGED or (status == Status.OK and fault(run.U)):
+            run.U, run.t, run.steps = before
+            status, failure = Status.DIVERGED, _find_fault(run, float(t))
+        if status != Status.OK:
+            break
+        values = run.scalars()
+        rest = sample >= 0 and k > 0 and case.time.stop_at_rest
+        rest = rest and values["v_flow"] < case.time.rest_speed and values["v_flow"] <= speed
+        if sample >= 0:
+            scalars[0, sample : None if rest else sample + 1] = [values[name] for name in SCALARS]
+            speed = values["v_flow"]
+        later = outputs.snapshot_at[k:] if rest else [snapshot]
+        for place in (place for place in later if place >= 0):
+            for target, field in zip(profiles, run.fields, strict=True):
+                target[0, place] = field
+        if rest:
+            status = Status.AT_REST
+            break
+    seconds = time.perf_counter() - began
+    each = np.array([status], dtype=np.int8), np.array([run.steps]), np.array([run.t])
+    return Finished(scalars, profiles, *each, {0: failure} if failure else {}, seconds)
+
+
+def _advance(run: Reference, t_out: float, go_on: GoOn) -> Status:
+    """Bring a run to t_out [s], if it gets there."""
+    while run.t < t_out:
+        if run.steps >= run.case.time.step_limit:
+            return Status.STEP_LIMIT
+        with np.errstate(all="ignore"):  # what comes of it is judged at the output time
+            dt = run.step(t_out)
+        if not dt > 0.0:
+            return Status.DIVERGED
+        if run.steps % QUESTIONS == 0 and not go_on(run.t):
+            return Status.INTERRUPTED
+    return Status.OK
+
+
+def _find_fault(run: Reference, t_out: float) -> Failure:
+    """Repeat the steps of a run that has diverged, up to the last sound one."""
+    found = None
+    before = run.U, run.t, run.steps
+    while not found:
+        before = run.U, run.t, run.steps
+        with np.errstate(all="ignore"):
+            dt = run.step(t_out)
+        found = fault(run.U) if dt > 0.0 else (-1, f"dt = {dt:g} s")
+    cell, what = found
+    failure = Failure(before[1], run.steps, cell, float(run.case.x[cell]) if cell >= 0 else float("nan"), what)
+    run.U, run.t, run.steps = before
+    return failure
+
+
+def _joined(parts: Sequence[Finished]) -> Finished:
+    cells = max(part.profiles[0].shape[2] for part in parts)
+
+    def padded(field: Array) -> Array:
+        return np.pad(field, ((0, 0), (0, 0), (0, cells - field.shape[2])), constant_values=np.nan)
+
+    return Finished(
+        np.concatenate([part.scalars for part in parts]),
+        tuple(np.concatenate([padded(part.profiles[n]) for part in parts]) for n in range(3)),
+        np.concatenate([part.status for part in parts]),
+        np.concatenate([part.steps for part in parts]),
+        np.concatenate([part.end_time for part in parts]),
+        {r: part.failures[0] for r, part in enumerate(parts) if part.failures},
+        sum(part.seconds for part in parts),
+    )

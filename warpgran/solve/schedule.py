@@ -1,0 +1,52 @@
+"""When a batch is looked at: the output times that its runs share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+
+
+@dataclass(frozen=True, eq=False)
+class Outputs:
+    """Output times, each a snapshot, a sample of the series, both, or (the end) perhaps neither.
+
+    Attributes:
+        times: s, increasing, shape (outputs,).
+        snapshot_at: place of each time among the snapshots, -1 if it is none.
+        sample_at: place of each time among the samples, -1 if it is none.
+    """
+
+    times: Array
+    snapshot_at: Array
+    sample_at: Array
+
+    @staticmethod
+    def of(case: Case) -> Outputs:
+        """Those that a case asks for."""
+        times = np.array(case.output_times)
+        return Outputs(times, _places(times, case.snapshot_times), _places(times, case.sample_times))
+
+    @staticmethod
+    def none() -> Outputs:
+        """No output at all."""
+        nothing = np.zeros(0, dtype=np.int32)
+        return Outputs(np.zeros(0), nothing, nothing)
+
+    @property
+    def snapshots(self) -> int:
+        """Number of snapshots."""
+        return int(self.snapshot_at.max(initial=-1)) + 1
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return int(self.sample_at.max(initial=-1)) + 1
+
+
+def _places(times: Array, chosen: tuple[float, ...]) -> Array:
+    places = {t: n for n, t in enumerate(chosen)}
+    return np.array([places.get(t, -1) for t in times.tolist()], dtype=np.int32)
