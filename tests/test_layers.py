@@ -25,6 +25,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "results": {"case", "solve", "schema", "files", "errors", "arrays"},
     "figures": {"analysis", "schema", "files", "errors", "arrays"},
     "run": {"case", "solve", "results", "schema", "files", "errors", "arrays"},
+    "studies": {"run", "figures", "analysis", "results", "case", *LEAVES},
     "verification": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},
     "paper": {"run", "figures", "analysis", "results", "solve", "case", *LEAVES},
 }

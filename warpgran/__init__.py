@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from warpgran.run.cluster import ClusterError
     from warpgran.run.simulate import simulate
     from warpgran.solve.device import DeviceError
+    from warpgran.studies.converge import converge
 
 _HOME = {
     "Case": "case.case",
@@ -42,6 +43,7 @@ _HOME = {
     "Study": "case.study",
     "TableError": "case.tables",
     "WarpgranError": "errors",
+    "converge": "studies.converge",
     "derive": "analysis.fields",
     "forces": "analysis.forces",
     "open_dataset": "results.reading",
@@ -62,6 +64,7 @@ __all__ = [
     "Study",
     "TableError",
     "WarpgranError",
+    "converge",
     "derive",
     "forces",
     "open_dataset",

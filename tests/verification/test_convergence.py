@@ -1,44 +1,11 @@
-"""The study of resolution: what it makes of known sequences, and that the bulk of a collapse converges."""
+"""The study of resolution: that the bulk of a collapse converges."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from warpgran.verification.convergence import COLLAPSES, Series, convergence, height_falls_through, refine
-
-CELLS = (100, 200, 400, 800)
-
-
-def series(*values: float) -> Series:
-    return Series("q", CELLS[-len(values) :], values)
-
-
-@pytest.mark.parametrize("order", [0.5, 1.0, 1.5])
-def test_a_power_of_the_cell_size_is_extrapolated_exactly(order: float) -> None:
-    found = series(*(3.0 - 20.0 * n**-order for n in CELLS))
-    assert found.order == pytest.approx(order, rel=1e-9)
-    assert found.limit == pytest.approx(3.0, rel=1e-9)
-    np.testing.assert_allclose(found.errors, [20.0 / 3.0 * n**-order for n in CELLS], rtol=1e-6)
-
-
-def test_cells_for_one_percent() -> None:
-    assert series(*(1.0 + 3.0 / n for n in CELLS)).enough == 400  # 3 %, 1.5 %, 0.75 %, 0.375 %
-    assert series(*(1.0 + 0.9 / n for n in CELLS)).enough == 100
-    assert series(*(1.0 + 9.0 / n for n in CELLS)).enough is None
-    assert series(1.0, 1.02, 1.0, 1.0).enough == 400  # good by chance on the coarsest
-
-
-@pytest.mark.parametrize("values", [(1.0, 1.1, 1.2, 1.3), (1.0, 1.1, 1.0, 1.1), (1.0, 1.1, 1.3, 1.7)])
-def test_what_shows_no_limit_is_given_none(values: tuple[float, ...]) -> None:
-    found = series(*values)
-    assert np.isnan(found.order)
-    assert np.isnan(found.limit)
-    assert found.enough is None
-
-
-def test_what_has_settled_needs_no_order() -> None:
-    assert series(1.0, 1.2, 1.0, 1.0005).limit == 1.0005
+from warpgran.verification.convergence import COLLAPSES, convergence, height_falls_through, refine
 
 
 def test_the_front_at_a_height_is_linear_between_centres() -> None:

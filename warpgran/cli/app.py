@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from warpgran.cli.commands import check, info, merge, summary
+from warpgran.cli.converge import converge
 from warpgran.cli.drawn import animate, plot
 from warpgran.cli.reproduce import reproduce
 from warpgran.cli.run import run
@@ -64,5 +65,5 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
     return reporting
 
 
-for command in (run, check, info, plot, animate, summary, merge, verify, reproduce):
+for command in (run, check, info, plot, animate, summary, merge, converge, verify, reproduce):
     app.command()(reported(command))

@@ -12,6 +12,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from warpgran.analysis.refinement import Refined
 from warpgran.case.case import Case
 from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.run.options import Precision
@@ -20,10 +21,6 @@ from warpgran.verification.outcome import Outcome, Row
 
 CELLS = (250, 500, 1000, 2000, 4000, 8000)
 WANTED = 0.01
-SETTLED = 1e-3
-"""A change from one grid to the next below which the finest grid is taken for the limit."""
-ORDERS = (0.4, 2.0)
-"""Observed orders that an extrapolation is built on; first order is what the scheme has at best."""
 
 
 @dataclass(frozen=True)
@@ -52,53 +49,6 @@ class Collapse:
 COLLAPSES = (Collapse(0.0, 0.6, (0.2, 0.5)), Collapse(22.0, 1.4, (0.48, 1.38)))
 
 
-@dataclass(frozen=True)
-class Series:
-    """A quantity on finer and finer grids, each of twice the cells.
-
-    Attributes:
-        name: What it is.
-        cells: Of each grid.
-        values: On each grid.
-    """
-
-    name: str
-    cells: tuple[int, ...]
-    values: tuple[float, ...]
-
-    @property
-    def changes(self) -> np.ndarray:
-        """From each grid to the next, as a fraction."""
-        return np.diff(self.values) / np.abs(self.values[-1])
-
-    @property
-    def order(self) -> float:
-        """Observed over the three finest grids; NaN unless it is one that an extrapolation can be built on."""
-        before, last = self.changes[-2:]
-        order = float(np.log2(before / last)) if before * last > 0.0 else float("nan")
-        return order if ORDERS[0] <= order <= ORDERS[1] else float("nan")
-
-    @property
-    def limit(self) -> float:
-        """Richardson's estimate; the finest value if it has settled, NaN if there is no telling."""
-        last, finest = float(self.changes[-1]), self.values[-1]
-        if np.isfinite(self.order):
-            return finest + (finest - self.values[-2]) / (2.0**self.order - 1.0)
-        return finest if abs(last) < SETTLED else float("nan")
-
-    @property
-    def errors(self) -> np.ndarray:
-        """Distance from the limit on each grid, as a fraction of it."""
-        return np.abs(np.array(self.values) / self.limit - 1.0)
-
-    @property
-    def enough(self) -> int | None:
-        """Cells from which on all grids are within one percent of the limit; None if no grid is known to be."""
-        good = self.errors <= WANTED
-        first = len(good) - int(np.argmin(good[::-1])) if not good.all() else 0
-        return self.cells[first] if first < len(good) and good[-1] else None
-
-
 def height_falls_through(level: float, x: np.ndarray, h: np.ndarray) -> float:
     """Largest x [m] where h falls through a level [m], linear between cell centres, as the front of a series is."""
     i = int(np.flatnonzero(h > level)[-1])
@@ -123,12 +73,12 @@ JUDGED = 2000
 
 def refine(
     collapse: Collapse, cells: Sequence[int], device: str = "cpu", precision: Precision = "float64"
-) -> dict[tuple[float, str], Series]:
+) -> dict[tuple[float, str], Refined]:
     """All quantities of a collapse on all grids, by time [s] and name."""
     cases = [collapse.case(n) for n in cells]
     data = simulate(cases, device=device, precision=precision)
     return {
-        (t, name): Series(name, tuple(cells), tuple(of(case, data.isel(run=r), at) for r, case in enumerate(cases)))
+        (t, name): Refined(name, tuple(cells), tuple(of(case, data.isel(run=r), at) for r, case in enumerate(cases)))
         for at, t in enumerate(collapse.times)
         for name, of in QUANTITIES.items()
     }
@@ -149,14 +99,14 @@ def convergence(cells: Sequence[int] = CELLS, *, device: str = "cpu", precision:
     return Outcome("Which grid gives one percent", text, tuple(rows), {"convergence": draw(found)})
 
 
-def _row(collapse: Collapse, t: float, series: Series) -> Row:
+def _row(collapse: Collapse, t: float, series: Refined) -> Row:
     what = f"{series.name}, {collapse.angle:g} degrees, t = {t:g} s"
     asked = series.name in BULK and JUDGED in series.cells
     if not np.isfinite(series.limit):
         change = float(np.abs(series.changes[-1]))
         bound = "a limit" if asked else "reported"
         return Row(f"{what}: no limit in sight, last change", change, "-", bound, False if asked else None)
-    words = f"1 % from {series.enough} cells" if series.enough else f"1 % on no grid up to {series.cells[-1]}"
+    words = f"1 % from {series.enough()} cells" if series.enough() else f"1 % on no grid up to {series.cells[-1]}"
     error = float(series.errors[-1])
     if not asked:
         return Row(f"{what}: {words}", error, "-", "reported", None, series.order)
@@ -169,7 +119,7 @@ COLOURS = ("#d55e00", "#cc79a7", "#0072b2", "#009e73")
 MARKS = "sDo^"
 
 
-def draw(found: dict[Collapse, dict[tuple[float, str], Series]]) -> Figure:
+def draw(found: dict[Collapse, dict[tuple[float, str], Refined]]) -> Figure:
     """Error over cells, a panel for each collapse and time."""
     with rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 4.6), layout="constrained")
@@ -199,7 +149,7 @@ def draw(found: dict[Collapse, dict[tuple[float, str], Series]]) -> Figure:
     return figure
 
 
-def _line(ax: Axes, series: Series, colour: str, mark: str) -> None:
+def _line(ax: Axes, series: Refined, colour: str, mark: str) -> None:
     if np.isfinite(series.limit):
         shown = np.where(series.errors > 0.0, series.errors, np.nan)
         ax.loglog(series.cells, shown, f"{mark}-", color=colour, markersize=3.5, label=series.name)

@@ -1,0 +1,89 @@
+"""The command `warpgran converge`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from warpgran.cli.arguments import FileArgument, PrecisionOption, SetOption
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from warpgran.studies.converge import Convergence
+
+WIDTH = 150
+"""Of the table where standard output is no terminal, characters."""
+
+
+def converge(
+    file: FileArgument,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="PICTURE", help="Default: the run file's name, here.")
+    ] = None,
+    levels: Annotated[int, typer.Option(help="Grids, from half the cells on, each with twice as many: 3 to 6.")] = 3,
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table, a row a quantity.")] = None,
+    device: Annotated[str, typer.Option(help="cpu, cuda or cuda:N.")] = "cpu",
+    precision: PrecisionOption = "float64",
+    set_: SetOption = None,
+) -> None:
+    """Say how fine a grid must be: a run on half, the same and twice the cells, orders, limits and errors."""
+    from rich.console import Console
+
+    from warpgran.case.read_study import read_study
+    from warpgran.errors import OptionError
+    from warpgran.figures.style import PLOT_SUFFIXES, checked
+    from warpgran.files import replacing
+    from warpgran.run.options import Options
+    from warpgran.solve.device import find_device, start_quietly
+    from warpgran.studies.converge import converge
+
+    study = read_study(file, set_ or ())
+    if len(study) > 1:
+        raise OptionError(f"{file}: is a sweep of {len(study)} runs; allowed: a single run, so take the sweep out")
+    path = checked(output or Path(f"{file.stem}_convergence.png"), PLOT_SUFFIXES)
+    start_quietly()
+    find_device(device)
+    found = converge(study.base, levels=levels, options=Options(device, precision))
+    if study.base.title:
+        typer.echo(study.base.title)
+    terminal = Console()
+    Console(width=terminal.width if terminal.is_terminal else WIDTH).print(_table(found))
+    typer.echo(found.verdict())
+    written = [str(found.draw(path))]
+    if csv:
+        with replacing(csv) as part:
+            found.table().to_csv(part, index_label="quantity", lineterminator="\n")
+        written.append(str(csv))
+    typer.echo(f"wrote {' and '.join(written)}")
+
+
+def _table(found: Convergence) -> Table:
+    """Values on each grid, in the units of the summary, with order, limit and the error of the user's grid."""
+    from rich.table import Table
+
+    table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, header_style="bold")
+    own = found.case.grid.cells
+    table.add_column("\ncells:", no_wrap=True)
+    for cells in found.cells:
+        table.add_column(f"{'this grid' if cells == own else ''}\n{cells}", justify="right", no_wrap=True)
+    for heading in ("\norder", "\nlimit", f"error on\n{own}", "cells for\n1 %"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for quantity in found.quantities:
+        unit, factor, digits = _unit(quantity.name)
+        shown = [f"{factor * value:.{digits}f}" for value in quantity.values]
+        limit = f"{factor * quantity.limit:.{digits}f}" if quantity.limit == quantity.limit else "-"
+        order = f"{quantity.order:.2f}" if quantity.order == quantity.order else "-"
+        error = f"{quantity.errors[1]:.2%}" if quantity.limit == quantity.limit else "-"
+        needed = quantity.needed()
+        table.add_row(f"{quantity.name} ({unit})", *shown, order, limit, error, str(needed or "-"))
+    return table
+
+
+def _unit(name: str) -> tuple[str, float, int]:
+    """Unit, factor from SI and decimals of a quantity."""
+    if name == "stop time":
+        return "s", 1.0, 3
+    return ("%", 100.0, 3) if name == "dilation" else ("m", 1.0, 4)
