@@ -24,7 +24,7 @@ def draw_refinement(quantities: Sequence[Refined], cells: int, wanted: float) ->
         wanted: An error, marked by a line.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(0.62 * WIDTH, 3.4), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
         ax = figure.subplots()
         for n, quantity in enumerate(quantities):
             colour, mark = COLOURS[n % len(COLOURS)], MARKS[n % len(MARKS)]
@@ -33,7 +33,7 @@ def draw_refinement(quantities: Sequence[Refined], cells: int, wanted: float) ->
             (line,) = ax.loglog(quantity.cells, np.where(errors > 0.0, errors, np.nan), f"{mark}-", color=colour)
             line.set(markersize=3.5, label=quantity.name)
             if not limited:
-                line.set(linestyle="--", markerfacecolor="none", label=f"{quantity.name} (change: no limit)")
+                line.set(linestyle="--", markerfacecolor="none", label=f"{quantity.name} \n(its change: no limit)")
         ax.axhline(wanted, **THIN)
         ax.annotate(f"{wanted:.0%}", (quantities[0].cells[0], wanted), (0, 2), textcoords="offset points", color="0.3")
         ax.axvline(cells, **THIN, linestyle=":")
@@ -42,5 +42,5 @@ def draw_refinement(quantities: Sequence[Refined], cells: int, wanted: float) ->
         ax.set_xlabel("number of cells (-)")
         ax.set_ylabel("relative error (-)")
         ax.tick_params(top=True, right=True)
-        figure.legend(loc="outside upper center", ncols=3)
+        figure.legend(loc="outside right upper")
     return figure
