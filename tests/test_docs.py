@@ -4,64 +4,21 @@ from __future__ import annotations
 
 import re
 import tomllib
-from typing import Any
 
-from helpers.places import ROOT
+import pytest
+from helpers.places import DOCS, ROOT
 
-from warpgran.case.case import Case
-from warpgran.case.sections import ALLOWED, SECTIONS, Model
-from warpgran.case.sweep_section import Sweep
-from warpgran.case.toml import plain
+from warpgran.case.key_tables import with_tables
 from warpgran.paper.catalogue import CLAIMS
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
-def rows_of_keys() -> dict[str, list[str]]:
-    """Default, allowed and unit as docs/run_file.md has them, by dotted key."""
-    rows: dict[str, list[str]] = {}
-    section = ""
-    for line in (ROOT / "docs" / "run_file.md").read_text(encoding="utf-8").splitlines():
-        if line.startswith("## "):
-            name = re.fullmatch(r"## `\[(\w+)\]`", line)
-            section = f"{name[1]}." if name else ""
-        cells = [cell.strip() for cell in line.strip("|").split("|")]
-        if line.startswith("| `") and len(cells) == 5:
-            key = section + cells[0].strip("`")
-            assert key not in rows
-            rows[key] = cells[1:4]
-    return rows
-
-
-def defaults() -> dict[str, Any]:
-    """The models' defaults by dotted key; None for one that follows another key."""
-    values: dict[str, Any] = {"title": Case().title}
-    sections: dict[str, type[Model]] = {**SECTIONS, "sweep": Sweep}
-    for section, model in sections.items():
-        for name, key in model.keys().items():
-            values[f"{section}.{key}"] = plain(model.model_fields[name].default)
-    return values
-
-
-def literal(cell: str) -> Any:
-    """The value that a cell shows, None where it is in words."""
-    try:
-        return tomllib.loads(f"value = {cell.strip('`')}")["value"]
-    except tomllib.TOMLDecodeError:
-        return None
-
-
-def test_every_key_is_documented_with_its_default() -> None:
-    assert {key: literal(default) for key, (default, _, _) in rows_of_keys().items()} == defaults()
-
-
-def test_what_is_allowed_is_what_the_errors_say() -> None:
-    rows = rows_of_keys()
-    words = ALLOWED | Sweep.allowed()
-    for key in defaults():
-        if words[key]:
-            _, allowed, unit = rows[key]
-            assert words[key] == (f"{allowed}, in {unit}" if unit else allowed)
+def test_the_tables_of_keys_are_those_of_the_code() -> None:
+    page = (DOCS / "run_file.md").read_text(encoding="utf-8")
+    assert with_tables(page) == page, "run: python -m warpgran.case.key_tables docs/run_file.md"
+    with pytest.raises(ValueError, match=r"0 tables of keys under the heading `\[grid\]`"):
+        with_tables(page.replace("## `[grid]`", "## `[mesh]`"))
 
 
 def test_every_claim_of_the_paper_is_in_the_table() -> None:

@@ -16,9 +16,9 @@ from PIL import Image
 
 from warpgran.analysis.correlation import rank_correlation
 from warpgran.analysis.summary import summary
-from warpgran.case.sections import SECTIONS
+from warpgran.case.sections import KEYS
 from warpgran.figures import batch as batch_figures
-from warpgran.figures.names import PARAMETERS, named
+from warpgran.figures.names import named
 from warpgran.figures.swept_keys import Key, runs_along, varied_keys
 
 ANGLES, PACKINGS = np.repeat([0.0, 10.0, 22.0], 2), np.tile([0.55, 0.62], 3)
@@ -309,8 +309,8 @@ def test_runs_along_a_key_differ_in_nothing_else() -> None:
 
 
 def test_every_key_that_can_vary_has_a_name() -> None:
-    tables = {"slope.bed", "column.profile", "time.snapshots", "time.series", "scheme.xi"}
-    keys = {f"{section}.{key}" for section, model in SECTIONS.items() for key in model.keys().values()}
-    assert keys - tables == PARAMETERS.keys()
+    assert {key for key in KEYS if named(key).words in ("", key)} == set()
     assert named("rheology.grain_diameter").value(7e-4) == "$d$ = $0.7$ mm"
+    assert named("slope.angle").label == r"slope angle $\theta$ (°)"
+    assert named("scheme.viscosity").value("paper") == "viscosity = paper"
     assert named("new.key").value(3) == "new.key = 3"

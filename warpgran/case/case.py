@@ -16,8 +16,9 @@ from pydantic import PrivateAttr, StrictStr, ValidationError, model_validator
 
 from warpgran.arrays import Array
 from warpgran.case.between_keys import cross_problems
+from warpgran.case.model import Model, declare
 from warpgran.case.problems import CaseError, Problem, problems_of, shown
-from warpgran.case.sections import ALLOWED, SECTIONS, Column, Every, Grid, Model, Rheology, Scheme, Slope, Time
+from warpgran.case.sections import ALLOWED, SECTIONS, Column, Every, Grid, Rheology, Scheme, Slope, Time
 from warpgran.case.tables import TableError, read_bed, read_profile
 from warpgran.case.times import output_times, sample_times, snapshot_times
 from warpgran.case.toml import given, load, override, plain, put, text_of, without
@@ -31,20 +32,12 @@ __all__ = ["Case", "CaseError", "Column", "Every", "Grid", "Problem", "Rheology"
 class Case(Model):
     """One run. Make it with `from_toml` or `from_dict`, change it with `with_`, make many of it with `sweep`.
 
-    Attributes:
-        title: A line for people.
-        rheology: Friction and dilatancy.
-        slope: The plane and the bed.
-        column: The initial state.
-        grid: The cells.
-        time: Duration and output.
-        scheme: The numerical method.
-
     Raises:
         CaseError: With all that is wrong.
     """
 
-    title: StrictStr = ""
+    title: StrictStr = declare("", "title")
+    """A line for people: pictures and tables show it."""
     rheology: Rheology = Rheology()
     slope: Slope = Slope()
     column: Column = Column()
@@ -56,6 +49,7 @@ class Case(Model):
     _folder: Path = PrivateAttr(Path("."))
 
     def __init__(self, **data: Any) -> None:
+        """Check sections given as models or mappings: `Case(slope={"angle": 22.0})`."""
         try:
             super().__init__(**data)
         except ValidationError as error:

@@ -1,8 +1,8 @@
-"""The sections of a run file: their keys, defaults, ranges and meanings.
+"""The sections of a run file. Each key is declared once, with its default, range, unit, symbol and meaning.
 
-Lengths are in m, times in s, angles in degrees and everything else in SI units. A key is judged here by itself; rules
-that involve several keys are in `between_keys`. Keys and attributes have one name, but for `lambda`, a word that
-Python keeps for itself: its attribute is `lambda_`.
+A key is judged here by itself; rules that involve several keys are in `between_keys`. Keys and attributes have one
+name, but for `lambda`, a word that Python keeps for itself: its attribute is `lambda_`. Numbers in parentheses are
+equations of the paper.
 """
 
 from __future__ import annotations
@@ -12,94 +12,54 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Discriminator,
-    Field,
-    PlainValidator,
-    StrictBool,
-    StrictFloat,
-    StrictInt,
-    Tag,
-    model_validator,
-)
+from pydantic import Discriminator, Field, PlainValidator, StrictBool, StrictFloat, StrictInt, Tag, WithJsonSchema
 
 from warpgran.arrays import Array
+from warpgran.case.model import MM, MM_PER_S, KeyInfo, Model, declare
 from warpgran.case.problems import shown
 from warpgran.case.tables import BedTable, ProfileTable, Source, TableError, read_bed, read_profile
 
-
-class Model(BaseModel):
-    """Values by key: frozen, without unknown keys, numbers finite and only of numbers."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, hide_input_in_errors=True)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _numpy_values(cls, data: Any) -> Any:
-        """NumPy's numbers and arrays as Python's, which are all that strict numbers take."""
-        if not isinstance(data, Mapping):
-            return data
-        return {k: v.tolist() if isinstance(v, np.generic | np.ndarray) else v for k, v in data.items()}
-
-    @classmethod
-    def keys(cls) -> dict[str, str]:
-        """Every key of the run file by the attribute that holds it."""
-        return {name: field.alias or name for name, field in cls.model_fields.items()}
-
-
-def _key(default: Any, allowed: str, **options: Any) -> Any:
-    """A key of the run file, with what is allowed there in words."""
-    return Field(default, json_schema_extra={"allowed": allowed}, **options)
-
-
-Positive = Annotated[StrictFloat, Field(gt=0)]
 NotNegative = Annotated[StrictFloat, Field(ge=0)]
 
 
 class Rheology(Model):
-    """Friction, dilatancy and walls (Table 1 of the paper; equations 2.8, 2.9, 2.13, 2.14, 4.1).
+    """Friction, dilatancy and side walls; by default Table 1 of the paper."""
 
-    Attributes:
-        mu1: Friction at a vanishing inertial number.
-        mu2: Friction at a large inertial number.
-        I0: Inertial number where friction is half-way.
-        grain_diameter: d, m.
-        K: Dilation coefficient; 0 is the incompressible model.
-        K_tilde: Slope of the equilibrium volume fraction over the inertial number.
-        phi_stat: Equilibrium volume fraction at rest.
-        phi_eq: Regularization of the equilibrium volume fraction: f0, f1 or f2.
-        phi_eq_N: Exponent N of f2.
-        mu_wall: Friction at the side walls, 0 for none.
-        channel_width: Distance of the side walls, m.
+    mu1: StrictFloat = declare(0.48, "friction at rest", r"\mu_1", ge=0)
+    """Friction at a vanishing inertial number (2.13)."""
+    mu2: StrictFloat = declare(0.73, "friction in fast flow", r"\mu_2", allowed=">= rheology.mu1", ge=0)
+    """Friction at a large inertial number (2.13)."""
+    I0: StrictFloat = declare(0.279, "inertial number", "I_0", gt=0)
+    """Inertial number where friction is half-way from `mu1` to `mu2`."""
+    grain_diameter: StrictFloat = declare(7e-4, "grain diameter", "d", unit="m", display=MM, gt=0)
+    """Grain diameter d, in the inertial number."""
+    K: StrictFloat = declare(4.09, "dilation coefficient", "K", ge=0)
+    """Dilation coefficient in tan psi = K (phi - phi_eq) (2.8); 0 is the incompressible model."""
+    K_tilde: StrictFloat = declare(0.2, "slope of equilibrium", r"\tilde{K}", ge=0)
+    """How fast phi_eq falls with the inertial number (2.9)."""
+    phi_stat: StrictFloat = declare(0.582, "fraction at rest", r"\varphi_\mathrm{stat}", gt=0, lt=1)
+    """phi_eq at rest."""
+    phi_eq: Literal["f0", "f1", "f2"] = declare("f2", "law of equilibrium", r"\varphi_\mathrm{eq}")
+    """Form of phi_eq(I), with s for `phi_stat` and q for `K_tilde` I: f0 is max(0, s - q), f1 is s exp(-q/s), f2 is
+    s/(1 + q/(N s))^N.
     """
-
-    mu1: StrictFloat = _key(0.48, ">= 0", ge=0)
-    mu2: StrictFloat = _key(0.73, ">= rheology.mu1", ge=0)
-    I0: StrictFloat = _key(0.279, "> 0", gt=0)
-    grain_diameter: StrictFloat = _key(7e-4, "> 0, in m", gt=0)
-    K: StrictFloat = _key(4.09, ">= 0", ge=0)
-    K_tilde: StrictFloat = _key(0.2, ">= 0", ge=0)
-    phi_stat: StrictFloat = _key(0.582, "> 0 and < 1", gt=0, lt=1)
-    phi_eq: Literal["f0", "f1", "f2"] = _key("f2", '"f0", "f1" or "f2"')
-    phi_eq_N: StrictFloat = _key(1.0, "> 0", gt=0)
-    mu_wall: StrictFloat = _key(0.0, ">= 0", ge=0)
-    channel_width: StrictFloat = _key(0.2, "> 0, in m", gt=0)
+    phi_eq_N: StrictFloat = declare(1.0, "exponent of f2", "N", gt=0)
+    """N of f2; the others do not use it."""
+    mu_wall: StrictFloat = declare(0.0, "friction at the walls", r"\mu_\mathrm{w}", ge=0)
+    """Friction at the side walls (4.1), 0 for none; the paper has 0.18."""
+    channel_width: StrictFloat = declare(0.2, "channel width", "W", unit="m", gt=0)
+    """Distance of the side walls."""
 
 
 class Grid(Model):
-    """Equal cells along the slope.
+    """Equal cells; cell i has its centre at left + (i + 1/2) (right - left)/cells."""
 
-    Attributes:
-        left: Left end, m.
-        right: Right end, m.
-        cells: Number of cells.
-    """
-
-    left: StrictFloat = _key(-0.2, "< grid.right, in m")
-    right: StrictFloat = _key(1.6, "> grid.left, in m")
-    cells: StrictInt = _key(1800, ">= 4 and <= 10000000", ge=4, le=10_000_000)
+    left: StrictFloat = declare(-0.2, "left end of grid", r"x_\mathrm{left}", unit="m", allowed="< grid.right")
+    """Left end."""
+    right: StrictFloat = declare(1.6, "right end of grid", r"x_\mathrm{right}", unit="m", allowed="> grid.left")
+    """Right end."""
+    cells: StrictInt = declare(1800, "number of cells", "n", ge=4, le=10_000_000)
+    """Number of cells."""
 
     @property
     def dx(self) -> float:
@@ -126,36 +86,40 @@ def _profile(value: Any) -> ProfileTable | None:
     return value if value is None or isinstance(value, ProfileTable) else read_profile(_source(value))
 
 
+_PATH = "the path of a CSV file"
+_TABLE = WithJsonSchema({"type": "string"})
+
+
 class Slope(Model):
-    """The plane and the bed on it.
+    """An inclined plane along x, and the bed on it; heights are measured normal to the plane."""
 
-    Attributes:
-        angle: Inclination, degrees, positive downhill toward +x.
-        gravity: g, m s-2.
-        bed: Elevation normal to the plane, m, linear between points and constant beyond them; None for a plane.
-    """
-
-    angle: StrictFloat = _key(0.0, ">= -80 and <= 80, in degrees", ge=-80, le=80)
-    gravity: StrictFloat = _key(9.81, "> 0, in m/s2", gt=0)
-    bed: Annotated[BedTable | None, PlainValidator(_bed)] = _key(None, "the path of a CSV file")
+    angle: StrictFloat = declare(0.0, "slope angle", r"\theta", unit="degrees", display=("°", 1.0), ge=-80, le=80)
+    """Inclination; positive is downhill toward +x, the opposite of the paper's Fig. 1."""
+    gravity: StrictFloat = declare(9.81, "gravity", "g", unit="m/s2", display=("m/s²", 1.0), gt=0)
+    """Acceleration of gravity."""
+    bed: Annotated[BedTable | None, PlainValidator(_bed), _TABLE] = declare(
+        None, "bed", "b", allowed=_PATH, unset="none: a plane"
+    )
+    """Bed elevation over x, normal to the plane."""
 
 
 class Column(Model):
-    """The grains at time 0, at rest but for a profile with a velocity.
+    """The grains at time 0: a rectangle at rest, or a profile."""
 
-    Attributes:
-        height: m.
-        length: m.
-        phi: Solid volume fraction.
-        start: Left end, m; None for the left end of the grid.
-        profile: Thickness and optionally solid volume fraction and velocity over x, instead of a rectangle.
+    height: StrictFloat = declare(0.14, "column height", "h_0", unit="m", gt=0)
+    """Height of the rectangle."""
+    length: StrictFloat = declare(0.20, "column length", r"\ell_0", unit="m", gt=0)
+    """Length of the rectangle, which must lie in the grid and cover a cell centre."""
+    phi: StrictFloat = declare(0.62, "initial fraction", r"\varphi_0", gt=0, lt=1)
+    """Solid volume fraction, everywhere."""
+    start: StrictFloat | None = declare(None, "column start", "x_0", unit="m", allowed="in the grid", unset="grid.left")
+    """Left end of the rectangle."""
+    profile: Annotated[ProfileTable | None, PlainValidator(_profile), _TABLE] = declare(
+        None, "initial profile", allowed=_PATH, unset="none: a rectangle"
+    )
+    """Thickness over x, and optionally solid volume fraction and velocity. It stands instead of `height`, `length` and
+    `start`, and of `phi` where it has a column phi; a key that it replaces must not be set.
     """
-
-    height: StrictFloat = _key(0.14, "> 0, in m", gt=0)
-    length: StrictFloat = _key(0.20, "> 0, in m", gt=0)
-    phi: StrictFloat = _key(0.62, "> 0 and < 1", gt=0, lt=1)
-    start: StrictFloat | None = _key(None, "in the grid, in m")
-    profile: Annotated[ProfileTable | None, PlainValidator(_profile)] = _key(None, "the path of a CSV file")
 
     def start_on(self, grid: Grid) -> float:
         """Left end of the rectangle, m."""
@@ -171,9 +135,10 @@ class Column(Model):
 
 
 class Every(Model):
-    """Equally spaced times 0, every, 2 every, ... up to the end, in s."""
+    """Equally spaced times 0, every, 2 every, ... up to the end."""
 
-    every: Positive
+    every: StrictFloat = declare(..., "interval", unit="s", allowed="> 0 and <= time.end", gt=0)
+    """Interval between the times."""
 
 
 def _branch(value: Any) -> str | None:
@@ -188,58 +153,67 @@ Times = Annotated[
 ]
 
 
+_TIMES = "times in [0, time.end] or { every = s }"
+
+
 class Time(Model):
-    """How long to run and when to look, in s.
+    """Duration and output times."""
 
-    Attributes:
-        end: Last time.
-        snapshots: Times of whole profiles; None for five, equally spaced.
-        series: Times of the scalar series.
-        rest_speed: The mass is at rest below this speed, m s-1.
-        stop_at_rest: End a run at the first sample where it is slower than rest_speed and not speeding up.
-        step_limit: A run that takes more steps is given up.
+    end: StrictFloat = declare(1.8, "end", r"t_\mathrm{end}", unit="s", gt=0)
+    """When the run ends."""
+    snapshots: Times | None = declare(
+        None, "snapshots", unit="s", allowed=_TIMES, unset="five, equally spaced, the last at `time.end`"
+    )
+    """When whole profiles are stored."""
+    series: Times = declare(Every(every=0.01), "series", unit="s", allowed=_TIMES)
+    """When front, greatest height and the other scalars are stored."""
+    rest_speed: StrictFloat = declare(1e-3, "speed at rest", r"v_\mathrm{rest}", unit="m/s", display=MM_PER_S, gt=0)
+    """The mass has stopped at the first sample after which its greatest speed stays below this."""
+    stop_at_rest: StrictBool = declare(False, "stop at rest")
+    """End a run at the first sample where no part thicker than `h_front` is faster than `rest_speed`, and none was
+    slower at the sample before; later samples and snapshots repeat that state.
     """
+    step_limit: StrictInt = declare(10_000_000, "step limit", ge=1)
+    """A run that takes more steps is given up."""
 
-    end: StrictFloat = _key(1.8, "> 0, in s", gt=0)
-    snapshots: Times | None = _key(None, "times in [0, time.end] or { every = s }, in s")
-    series: Times = _key(Every(every=0.01), "times in [0, time.end] or { every = s }, in s")
-    rest_speed: StrictFloat = _key(1e-3, "> 0, in m/s", gt=0)
-    stop_at_rest: StrictBool = _key(False, "true or false")
-    step_limit: StrictInt = _key(10_000_000, ">= 1", ge=1)
+
+_End = Literal["wall", "open", "periodic"]
 
 
 class Scheme(Model):
-    """Choices of the numerical method.
+    """Choices of the numerical method."""
 
-    Attributes:
-        alpha: Exponent of the third conserved quantity phi^alpha h.
-        lambda_: Weight of the kinetic energy in the reconstruction; `lambda` in the run file.
-        cfl: Courant number.
-        relaxation: Dilatancy step, rational (3.17) or exponential (3.18).
-        viscosity: Stabilization, bounded or as in the paper (3.20).
-        xi: Coefficients of the stabilization for mass, momentum and volume fraction.
-        h_min: Least thickness in the shear rate, m; None for one grain diameter.
-        h_bed: Thickness of the layer beside the column, m.
-        h_front: Thickness that marks the front, m.
-        left: Left boundary, wall, open or periodic.
-        right: Right boundary, wall, open or periodic.
-        window: Visit only what is wet; off gives the same bits, for measuring.
-    """
-
-    alpha: StrictFloat = _key(2.0, "> 1 and <= 10", gt=1, le=10)
-    lambda_: StrictFloat = _key(0.0, ">= 0 and <= 1", ge=0, le=1, alias="lambda")
-    cfl: StrictFloat = _key(0.45, "> 0 and <= 0.5", gt=0, le=0.5)
-    relaxation: Literal["rational", "exponential"] = _key("rational", '"rational" or "exponential"')
-    viscosity: Literal["bounded", "paper"] = _key("bounded", '"bounded" or "paper"')
-    xi: tuple[NotNegative, NotNegative, NotNegative] = _key(
-        (2.0, 2.0, 5.0), "three numbers >= 0, the second <= the first"
+    alpha: StrictFloat = declare(2.0, "exponent", r"\alpha", gt=1, le=10)
+    """Exponent of the third conserved quantity, phi^alpha h."""
+    lambda_: StrictFloat = declare(0.0, "weight", r"\lambda", alias="lambda", ge=0, le=1)
+    """Weight of the kinetic energy in the reconstruction (B.16). In Python: `case.scheme.lambda_`."""
+    cfl: StrictFloat = declare(0.45, "Courant number", "C", gt=0, le=0.5)
+    """Courant number."""
+    relaxation: Literal["rational", "exponential"] = declare("rational", "relaxation")
+    """Dilatancy step: (3.17) or (3.18)."""
+    viscosity: Literal["bounded", "paper"] = declare("bounded", "viscosity")
+    """Stabilization: ours, or (3.20) to the letter."""
+    xi: tuple[NotNegative, NotNegative, NotNegative] = declare(
+        (2.0, 2.0, 5.0),
+        "coefficients of the stabilization",
+        r"\xi",
+        allowed="three numbers >= 0, the second <= the first",
     )
-    h_min: Positive | None = _key(None, "> 0, in m")
-    h_bed: StrictFloat = _key(0.0, ">= 0, in m", ge=0)
-    h_front: StrictFloat = _key(1e-3, "> 0, in m", gt=0)
-    left: Literal["wall", "open", "periodic"] = _key("wall", '"wall", "open" or "periodic"')
-    right: Literal["wall", "open", "periodic"] = _key("open", '"wall", "open" or "periodic"')
-    window: StrictBool = _key(True, "")
+    """Coefficients of the stabilization for mass, momentum and volume fraction; zeros turn it off."""
+    h_min: StrictFloat | None = declare(
+        None, "least thickness", r"h_\mathrm{min}", unit="m", display=MM, unset="rheology.grain_diameter", gt=0
+    )
+    """Least thickness in the shear rate, which means nothing below one grain; smaller values hardly change a result."""
+    h_bed: StrictFloat = declare(0.0, "bed layer", r"h_\mathrm{bed}", unit="m", display=MM, ge=0)
+    """Thickness of a precursor layer beside the column, less than the column's height; 0 is a dry bed."""
+    h_front: StrictFloat = declare(1e-3, "front thickness", r"h_\mathrm{front}", unit="m", display=MM, gt=0)
+    """Thickness that marks the front; the volume counts what is thicker."""
+    left: _End = declare("wall", "left boundary")
+    """Left boundary; periodic only together with the right one."""
+    right: _End = declare("open", "right boundary")
+    """Right boundary."""
+    window: StrictBool = declare(True, "window")
+    """Visit only what is wet. Off gives the same bits, for measuring."""
 
     @property
     def periodic(self) -> bool:
@@ -256,15 +230,14 @@ SECTIONS: dict[str, type[Model]] = {
     "scheme": Scheme,
 }
 
+KEYS: dict[str, KeyInfo] = {
+    f"{section}.{name}": known for section, model in SECTIONS.items() for name, known in model.described().items()
+}
+"""What is known of every dotted key."""
 
-def _allowed() -> dict[str, str]:
-    words = {"title": "", **dict.fromkeys(SECTIONS, "")}
-    for section, model in SECTIONS.items():
-        for name, key in model.keys().items():
-            extra = model.model_fields[name].json_schema_extra
-            words[f"{section}.{key}"] = str(extra["allowed"]) if isinstance(extra, dict) else ""
-    return words | dict.fromkeys(("time.snapshots.every", "time.series.every"), "> 0 and <= time.end, in s")
-
-
-ALLOWED = _allowed()
+ALLOWED: dict[str, str] = {
+    **dict.fromkeys(("title", *SECTIONS), ""),
+    **{name: known.hint for name, known in KEYS.items()},
+    **dict.fromkeys(("time.snapshots.every", "time.series.every"), Every.described()["every"].hint),
+}
 """Every dotted key, sections first, and what is allowed there in words."""

@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, StrictBool, StrictFloat, StrictInt, StrictStr, Tag, ValidationError
+from pydantic import Discriminator, StrictBool, StrictFloat, StrictInt, StrictStr, Tag, ValidationError
 
+from warpgran.case.model import Model, declare
 from warpgran.case.problems import CaseError, Problem, problems_of, shown, unknown_key
-from warpgran.case.sections import ALLOWED, SECTIONS, Model
+from warpgran.case.sections import ALLOWED, KEYS
 
 MOST_RUNS = 1_000_000
 SAMPLED = ("latin", "sobol")
@@ -29,25 +29,7 @@ _FIXED = {
 }
 
 
-def _kind(annotation: Any) -> type | None:
-    """What a key holds, optional or not: float, int, bool, str for one of several words; None for a table or a list."""
-    if get_origin(annotation) is Literal:
-        return str
-    while get_origin(annotation) in (Annotated, Union, UnionType):
-        annotation = get_args(annotation)[0]
-    return annotation if annotation in (float, int, bool) else None
-
-
-def _kinds() -> dict[str, type]:
-    kinds = {
-        f"{section}.{key}": _kind(model.model_fields[name].annotation)
-        for section, model in SECTIONS.items()
-        for name, key in model.keys().items()
-    }
-    return {key: kind for key, kind in kinds.items() if kind and key not in _FIXED}
-
-
-KINDS = _kinds()
+KINDS = {name: known.kind for name, known in KEYS.items() if known.kind and name not in _FIXED}
 """What each key that can be swept holds: float, int, str or bool."""
 
 
@@ -62,17 +44,14 @@ def key_problem(key: str) -> Problem | None:
 
 
 class Range(Model):
-    """Where samples of a key lie.
+    """Where samples of a key lie."""
 
-    Attributes:
-        low: Least value.
-        high: Greatest value.
-        log: Whether equal shares of the logarithm, not of the value, are equally likely.
-    """
-
-    low: StrictFloat
-    high: StrictFloat
-    log: StrictBool = False
+    low: StrictFloat = declare(..., "low", allowed="a number")
+    """Least value."""
+    high: StrictFloat = declare(..., "high", allowed="a number")
+    """Greatest value."""
+    log: StrictBool = declare(False, "log")
+    """Whether equal shares of the logarithm, not of the value, are equally likely."""
 
 
 def _branch(value: Any) -> str | None:
@@ -88,35 +67,33 @@ Over = Annotated[
 ]
 
 
-def _key(default: Any, allowed: str, **options: Any) -> Any:
-    return Field(default, json_schema_extra={"allowed": allowed}, **options)
-
-
 class Sweep(Model):
-    """The `[sweep]` section.
+    """The `[sweep]` section: what varies from run to run."""
 
-    Attributes:
-        mode: How the runs are made of `over`.
-        samples: Number of runs for latin and sobol.
-        seed: Of the samples.
-        over: Lists of values or ranges, by dotted key.
-        from_: A table of values instead, a row a run; `from` in the run file.
-    """
-
-    mode: Literal["product", "zip", "latin", "sobol"] = _key("product", '"product", "zip", "latin" or "sobol"')
-    samples: StrictInt | None = _key(None, ">= 1 and <= 1000000, for sobol a power of 2", ge=1, le=MOST_RUNS)
-    seed: StrictInt = _key(1, ">= 0", ge=0)
-    over: dict[str, Over] | None = _key(None, "by dotted key a list of values or { low = , high = }")
-    from_: StrictStr | None = _key(None, "the path of a CSV file", alias="from")
+    mode: Literal["product", "zip", "latin", "sobol"] = declare("product", "mode")
+    """How the runs are made of `over`."""
+    samples: StrictInt | None = declare(
+        None,
+        "samples",
+        allowed=f">= 1 and <= {MOST_RUNS}, for sobol a power of 2",
+        unset="none: the lists give the number of runs",
+        ge=1,
+        le=MOST_RUNS,
+    )
+    """Number of runs for latin and sobol, which must have it; the other modes must not."""
+    seed: StrictInt = declare(1, "seed", ge=0)
+    """Seed of the samples of latin and sobol: the same seed gives the same runs."""
+    over: dict[str, Over] | None = declare(
+        None, "over", allowed="by dotted key a list of values or { low = , high = }", unset="none"
+    )
+    """What varies."""
+    from_: StrictStr | None = declare(None, "from", allowed="the path of a CSV file", unset="none", alias="from")
+    """The runs as a table, instead of `mode`, `over` and `samples`; its path starts from the run file's folder."""
 
     @classmethod
     def allowed(cls) -> dict[str, str]:
         """Every key, as `sweep.key`, and what is allowed there in words."""
-        words = {}
-        for name, key in cls.keys().items():
-            extra = cls.model_fields[name].json_schema_extra
-            words[f"sweep.{key}"] = str(extra["allowed"]) if isinstance(extra, dict) else ""
-        return words
+        return {f"sweep.{name}": known.hint for name, known in cls.described().items()}
 
 
 class _Holder(Model):
@@ -160,8 +137,7 @@ def read_section(section: Any) -> Sweep:
     allowed = Sweep.allowed() | {"sweep": ""}
     for key in over if isinstance(over, Mapping) else ():
         allowed[f"sweep.over.{key}"] = "a list of values, or { low = , high = } for latin and sobol"
-        allowed |= {f"sweep.over.{key}.low": "a number", f"sweep.over.{key}.high": "a number"}
-        allowed[f"sweep.over.{key}.log"] = ""
+        allowed |= {f"sweep.over.{key}.{name}": known.hint for name, known in Range.described().items()}
     try:
         sweep = _Holder(sweep=section).sweep
     except ValidationError as error:

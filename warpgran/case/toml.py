@@ -8,8 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from warpgran.case.model import Model
 from warpgran.case.problems import CaseError, Problem, shown, unknown_key
-from warpgran.case.sections import ALLOWED, Every, Model
+from warpgran.case.sections import ALLOWED, Every
 from warpgran.case.tables import Table
 
 
@@ -110,17 +111,18 @@ def text_of(values: Mapping[str, Any]) -> str:
             section = head
             lines += ["", f"[{section}]"]
         if value is not None:
-            lines.append(f"{name} = {_toml(value)}")
+            lines.append(f"{name} = {toml_value(value)}")
     return "\n".join(lines) + "\n"
 
 
-def _toml(value: Any) -> str:
+def toml_value(value: Any) -> str:
+    """A plain value as a run file has it."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):  # JSON's strings are TOML's but for one character
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, list):
-        return "[" + ", ".join(_toml(item) for item in value) + "]"
+        return "[" + ", ".join(toml_value(item) for item in value) + "]"
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + " }"
+        return "{ " + ", ".join(f"{key} = {toml_value(item)}" for key, item in value.items()) + " }"
     return repr(value)

@@ -17,9 +17,9 @@ from matplotlib.axes import Axes
 from warpgran.analysis.correlation import rank_correlation
 from warpgran.analysis.summary import swept
 from warpgran.arrays import Array
+from warpgran.case.sections import KEYS
 from warpgran.figures.names import named
 
-DEFAULTS = {"scheme.h_min": "rheology.grain_diameter", "column.start": "grid.left"}
 FEW = 6  # values of a key that colours can tell apart
 
 
@@ -116,7 +116,8 @@ class Key:
 def varied_keys(data: xr.Dataset) -> list[Key]:
     """The keys in which the runs differ, without those that took their values from another, as their default."""
     found = {name: data[name].values for name in swept(data)}
-    followers = [a for a, b in DEFAULTS.items() if a in found and b in found and np.array_equal(found[a], found[b])]
+    leaders = {name: KEYS[name].unset for name in found if name in KEYS}
+    followers = [a for a, b in leaders.items() if b in found and np.array_equal(found[a], found[b])]
     keys = [Key(name, values) for name, values in found.items() if name not in followers]
     return [key for key in keys if key.levels.size > 1]
 

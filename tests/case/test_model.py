@@ -1,0 +1,53 @@
+"""What a key is declared with reaches the JSON schema, `help` and the words of errors."""
+
+import re
+from typing import Any
+
+import pytest
+from pydantic import StrictBool, StrictFloat
+
+from warpgran.case.case import Case
+from warpgran.case.model import Model, declare
+from warpgran.case.sections import KEYS, SECTIONS
+from warpgran.case.sweep_section import Sweep
+
+SCHEMAS = {name: Case.model_json_schema()["$defs"][model.__name__] for name, model in SECTIONS.items()}
+SCHEMAS["sweep"] = Sweep.model_json_schema()
+BOUNDS = {"minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"}
+
+
+class Section(Model):
+    """Two keys."""
+
+    thick: StrictFloat | None = declare(None, "thickness", "h", unit="m", display=("mm", 1e3), gt=0, le=2.5)
+    """Thickness of
+    a layer.
+    """
+    on: StrictBool = declare(True, "switch")
+    """A switch."""
+
+
+@pytest.mark.parametrize("section", SCHEMAS)
+def test_the_json_schema_says_what_every_key_is(section: str) -> None:
+    for name, schema in SCHEMAS[section]["properties"].items():
+        assert schema["description"] and schema["title"], name
+        assert {"unit", "symbol", "display_unit", "display_factor"} <= schema.keys(), name
+        forms: list[dict[str, Any]] = [schema, *schema.get("anyOf", [])]
+        if any(form.get("type") in ("number", "integer") for form in forms):
+            assert "allowed" in schema or any(BOUNDS & form.keys() for form in forms), name
+    assert "Attributes" not in SCHEMAS[section]["description"]
+
+
+def test_a_key_is_all_that_it_was_declared_with() -> None:
+    key, switch = Section.described().values()
+    assert (key.name, key.symbol, key.meaning) == ("thickness", "h", "Thickness of a layer.")
+    assert (key.unit, key.display_unit, key.factor) == ("m", "mm", 1e3)
+    assert (key.kind, key.allowed, key.hint) == (float, "> 0 and <= 2.5", "> 0 and <= 2.5, in m")
+    assert (switch.kind, switch.hint, switch.default) == (bool, "", True)
+    assert Section.__doc__ == "Two keys.\n\nAttributes:\n    thick: Thickness of a layer.\n    on: A switch."
+
+
+def test_a_key_that_follows_another_names_one() -> None:
+    leaders = {key.unset for key in KEYS.values() if re.fullmatch(r"\w+\.\w+", key.unset)}
+    assert leaders
+    assert leaders <= KEYS.keys()

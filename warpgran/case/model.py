@@ -1,0 +1,158 @@
+"""How a key of the run file is declared: all that is known of it in one place.
+
+The words of errors, the tables of docs/run_file.md, the labels of figures, the docstrings of the sections and the JSON
+schema follow from it.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic.fields import FieldInfo
+
+MM = ("mm", 1e3)
+MM_PER_S = ("mm/s", 1e3)
+
+_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+
+
+def declare(
+    default: Any,
+    name: str,
+    symbol: str = "",
+    *,
+    unit: str = "",
+    display: tuple[str, float] | None = None,
+    allowed: str = "",
+    unset: str = "",
+    **options: Any,
+) -> Any:
+    """A key of the run file as a field of its section, with a docstring below it that says what it means.
+
+    Args:
+        default: Its default; None for one that is no value.
+        name: What figures call it.
+        symbol: LaTeX, "" for none.
+        unit: Unit in the run file, "" for none.
+        display: Unit in figures and the factor to it, if not that of the run file.
+        allowed: What is allowed, if the type and the bounds gt, ge, lt and le do not say it all.
+        unset: What a default of None stands for: the key whose value is taken, or words.
+        options: The bounds, and what else pydantic's Field takes.
+    """
+    display_unit, factor = display or (unit, 1.0)
+    extra: dict[str, Any] = {"symbol": symbol, "unit": unit, "display_unit": display_unit, "display_factor": factor}
+    extra |= {word: text for word, text in (("allowed", allowed), ("unset", unset)) if text}
+    return Field(default, title=name, json_schema_extra=extra, **options)
+
+
+@dataclass(frozen=True)
+class KeyInfo:
+    """What is known of a key: what `declare` was given, and what follows from its type.
+
+    Attributes:
+        kind: float, int, bool or str; None for a table or a list.
+        allowed: In words and without the unit; "" for any text, and for true or false.
+        meaning: In Markdown.
+        factor: From `unit` to `display_unit`.
+    """
+
+    default: Any
+    unset: str
+    kind: type | None
+    allowed: str
+    name: str
+    symbol: str
+    meaning: str
+    unit: str
+    display_unit: str
+    factor: float
+
+    @classmethod
+    def of(cls, field: FieldInfo) -> KeyInfo:
+        """The key that a field of a section is."""
+        extra: Any = field.json_schema_extra
+        return cls(
+            default=field.default,
+            unset=extra.get("unset", ""),
+            kind=_kind(field.annotation),
+            allowed=extra.get("allowed") or _allowed(field),
+            name=field.title or "",
+            symbol=extra["symbol"],
+            meaning=" ".join((field.description or "").split()),
+            unit=extra["unit"],
+            display_unit=extra["display_unit"],
+            factor=extra["display_factor"],
+        )
+
+    @property
+    def hint(self) -> str:
+        """What is allowed, with the unit, as errors say it."""
+        return f"{self.allowed}, in {self.unit}" if self.unit else self.allowed
+
+
+def _allowed(field: FieldInfo) -> str:
+    """`> 0 and < 1` of bounds, `"f0", "f1" or "f2"` of a choice."""
+    if get_origin(field.annotation) is Literal:
+        *words, last = (f'"{word}"' for word in get_args(field.annotation))
+        return f"{', '.join(words)} or {last}"
+    bounds = [(sign, getattr(entry, name, None)) for entry in field.metadata for name, sign in _SIGNS.items()]
+    return " and ".join(f"{sign} {value}" for sign, value in bounds if value is not None)
+
+
+def _kind(annotation: Any) -> type | None:
+    if get_origin(annotation) is Literal:
+        return str
+    while get_origin(annotation) in (Annotated, Union, UnionType):
+        annotation = get_args(annotation)[0]
+    return annotation if annotation in (float, int, bool, str) else None
+
+
+def _describe(schema: dict[str, Any], model: type[Model]) -> None:
+    """The first paragraph of the docstring in a JSON schema, where each key has its own description."""
+    schema["description"] = (model.__doc__ or "").partition("\n\n")[0]
+
+
+class Model(BaseModel):
+    """Values by key: frozen, without unknown keys, numbers finite and only of numbers."""
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        allow_inf_nan=False,
+        hide_input_in_errors=True,
+        use_attribute_docstrings=True,
+        json_schema_extra=_describe,
+    )
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        """Add the keys to the docstring of the class, and to that of a case its sections by their first lines."""
+        lines = [inspect.cleandoc(cls.__doc__ or ""), "", "Attributes:"]
+        for name, field in cls.model_fields.items():
+            meaning = field.description or (field.annotation.__doc__ or "").partition("\n")[0]
+            lines.append(f"    {name}: {' '.join(meaning.split())}")
+        cls.__doc__ = "\n".join(lines)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _numpy_values(cls, data: Any) -> Any:
+        """NumPy's numbers and arrays as Python's, which are all that strict numbers take."""
+        if not isinstance(data, Mapping):
+            return data
+        return {k: v.tolist() if isinstance(v, np.generic | np.ndarray) else v for k, v in data.items()}
+
+    @classmethod
+    def keys(cls) -> dict[str, str]:
+        """Every key of the run file by the attribute that holds it."""
+        return {name: field.alias or name for name, field in cls.model_fields.items()}
+
+    @classmethod
+    def described(cls) -> dict[str, KeyInfo]:
+        """What is known of every key of this section."""
+        return {key: KeyInfo.of(cls.model_fields[name]) for name, key in cls.keys().items()}
