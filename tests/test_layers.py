@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -86,6 +87,30 @@ def test_rooms_stand_on_eight_floors_at_most() -> None:
         assert ready, f"a circle among {sorted(left)}"
         floor |= {room: max((floor[other] + 1 for other in MAY_IMPORT[room]), default=0) for room in ready}
     assert 1 + max(floor.values()) <= 7  # the command line is the eighth
+
+
+def imported_modules(path: Path) -> set[str]:
+    """Modules of warpgran that a file imports when it is itself imported: neither within functions nor for typing."""
+    found: set[str] = set()
+    nodes: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
+    while nodes:
+        node = nodes.pop()
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            nodes += node.orelse
+        elif not isinstance(node, ast.FunctionDef | ast.Lambda):
+            nodes += ast.iter_child_nodes(node)
+    return {name for name in found if name.startswith("warpgran.")}
+
+
+def test_no_two_modules_import_each_other_by_whatever_way() -> None:
+    paths = {path: path.relative_to(ROOT).with_suffix("").parts for path in rooms()}
+    paths |= {path: ("warpgran", "kernels", path.stem) for path in (ROOT / "kernels").glob("*.py")}
+    modules = {".".join(parts).removesuffix(".__init__"): imported_modules(path) for path, parts in paths.items()}
+    TopologicalSorter({name: found & modules.keys() for name, found in modules.items()}).prepare()  # or a CycleError
 
 
 @pytest.mark.parametrize(

@@ -5,12 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from warpgran.case.case import Case
 from warpgran.case.sections import Time
 from warpgran.case.tables import Table
 from warpgran.case.times import sample_times, snapshot_times
+
+if TYPE_CHECKING:
+    from warpgran.case.case import Case
 
 
 def identity(case: Case) -> str:

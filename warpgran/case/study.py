@@ -1,21 +1,23 @@
-"""One case to many: studies, and how they are read from a run file with a `[sweep]` and checked.
+"""Studies: many cases as one sequence.
 
-A study holds one case and a table of values, never its cases, so that 100,000 runs take a few megabytes.
+A study of a sweep holds one case and a table of values, never its cases, so that 100,000 runs take a few megabytes.
 """
 
 from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping, Sequence
-from typing import Any, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
-from warpgran.case.case import Case
 from warpgran.case.identity import identity
 from warpgran.case.problems import CaseError, Problem
 from warpgran.case.sweep_section import KINDS
 
+if TYPE_CHECKING:  # at run time a study asks of its cases no more than flat, with_, source and folder
+    from warpgran.case.case import Case
 
-class Study(Sequence[Case]):
+
+class Study(Sequence["Case"]):
     """The cases of a run file, or of a sweep made in Python. Make it with `read_study`, `Case.sweep` or `Study.of`.
 
     `study[i]` makes the case of run i, anew each time; a slice gives a list of cases.
@@ -98,6 +100,3 @@ class Study(Sequence[Case]):
 def _compact(key: str, values: Sequence[Any]) -> Sequence[Any]:
     """Values of a key as they are in force: an int for a float becomes one."""
     return array("d", values) if KINDS[key] is float else tuple(values)
-
-
-# From the section to a study
