@@ -3,10 +3,10 @@
 import warpgran as wg
 
 case = wg.Case.from_toml("runs/dense_22deg.toml").with_(**{"slope.angle": 16.0})
-data = wg.simulate(case)              # an xarray.Dataset
-data = wg.open_dataset("out.h5")      # the same, from a file
-data = wg.derive(data, "psi", "mu")   # dilatancy angle and friction
-data = wg.forces(data)                # what moves and holds the mass
+data = wg.simulate(case)                          # an xarray.Dataset
+data = wg.open_dataset("dense_22deg.h5")          # the same, from a file that `warpgran run` has written
+data = data.assign(wg.derive(data, "psi", "mu"))  # with dilatancy angle and friction
+terms = wg.forces(data)                           # the terms of the momentum equation
 """
 
 from __future__ import annotations
@@ -15,22 +15,24 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warpgran.analysis.fields import derive
-    from warpgran.analysis.forces import forces
-    from warpgran.analysis.summary import summary
-    from warpgran.case.case import Case
-    from warpgran.case.problems import CaseError
-    from warpgran.case.read_study import read_study
-    from warpgran.case.study import Study
-    from warpgran.case.tables import TableError
-    from warpgran.errors import OptionError, ResultError, WarpgranError
-    from warpgran.figures.one_run import plot
-    from warpgran.files import StorageError
-    from warpgran.results.reading import open_dataset
-    from warpgran.run.cluster import ClusterError
-    from warpgran.run.simulate import simulate
-    from warpgran.solve.device import DeviceError
-    from warpgran.studies.converge import converge
+    from warpgran.analysis.fields import derive as derive
+    from warpgran.analysis.forces import forces as forces
+    from warpgran.analysis.summary import summary as summary
+    from warpgran.case.case import Case as Case
+    from warpgran.case.problems import CaseError as CaseError
+    from warpgran.case.read_study import read_study as read_study
+    from warpgran.case.study import Study as Study
+    from warpgran.case.tables import TableError as TableError
+    from warpgran.errors import OptionError as OptionError
+    from warpgran.errors import ResultError as ResultError
+    from warpgran.errors import WarpgranError as WarpgranError
+    from warpgran.figures.one_run import plot as plot
+    from warpgran.files import StorageError as StorageError
+    from warpgran.results.reading import open_dataset as open_dataset
+    from warpgran.run.cluster import ClusterError as ClusterError
+    from warpgran.run.simulate import simulate as simulate
+    from warpgran.solve.device import DeviceError as DeviceError
+    from warpgran.studies.converge import converge as converge
 
 _HOME = {
     "Case": "case.case",
@@ -53,26 +55,7 @@ _HOME = {
     "summary": "analysis.summary",
 }
 
-__all__ = [
-    "Case",
-    "CaseError",
-    "ClusterError",
-    "DeviceError",
-    "OptionError",
-    "ResultError",
-    "StorageError",
-    "Study",
-    "TableError",
-    "WarpgranError",
-    "converge",
-    "derive",
-    "forces",
-    "open_dataset",
-    "plot",
-    "read_study",
-    "simulate",
-    "summary",
-]
+__all__ = [*_HOME]
 
 
 def __getattr__(name: str) -> Any:
@@ -83,4 +66,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOME})
+    return sorted(__all__)
