@@ -3,4 +3,4 @@
 import numpy as np
 
 Array = np.ndarray
-"""A NumPy array, of float64 unless the docstring says otherwise; shapes are said where it is used."""
+"""A NumPy array, of float64 unless the docstring says otherwise; shapes are stated where it is used."""

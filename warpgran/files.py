@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -17,16 +17,18 @@ class StorageError(WarpgranError):
 
 @contextmanager
 def replacing(path: Path, part: Path | None = None) -> Iterator[Path]:
-    """A temporary file beside `path` that takes its place when the block ends well, and vanishes when it does not.
+    """A temporary file beside `path` that replaces it when the block ends, and is removed if the block fails.
 
     Args:
         path: The file to write.
-        part: The temporary one, of a name that no other has by default. Of a killed process it is left behind.
+        part: The temporary file, by default of a unique name. A killed process leaves it behind.
 
     Raises:
         StorageError: The folder is missing or not writable, or `path` is a folder.
     """
-    part = part or path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}{path.suffix}")  # writers look at the suffix
+    part = part or path.with_name(
+        f".{path.stem}.{uuid.uuid4().hex[:8]}{path.suffix}"
+    )  # writers choose the format by the suffix
     check_writable(path, part)
     try:
         yield part
@@ -36,7 +38,7 @@ def replacing(path: Path, part: Path | None = None) -> Iterator[Path]:
 
 
 def check_writable(path: Path, trial: Path) -> None:
-    """Make an empty file `trial`, on the way to writing `path`.
+    """Check that `path` can be written, by making an empty file `trial`.
 
     Raises:
         StorageError: The folder is missing or not writable, or `path` is a folder.

@@ -1,4 +1,4 @@
-"""What is wrong between keys that are each in range."""
+"""Rules that involve several keys, e.g. mu2 >= mu1."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from warpgran.case.times import SAME_TIME
 
 MOST_TIMES = 1_000_000
 MOST_RELAXATION = {"f0": 20.0, "f1": 60.0, "f2": 60.0}
-"""2.5 cfl K dx/h_min of an exponential relaxation, by phi_eq: docs/limits.md has what happens above."""
+"""Largest 2.5 cfl K dx/h_min of an exponential relaxation, by phi_eq; docs/limits.md says what happens above it."""
 _ENDS = ("grid.left", "grid.right")
-_OF_RELAXATION = (
+_RELAXATION_KEYS = (
     "rheology.K", "rheology.phi_eq", "rheology.phi_eq_N", "rheology.grain_diameter", "scheme.cfl", "scheme.h_min",
     "grid.cells", *_ENDS,
 )  # fmt: skip
@@ -24,7 +24,7 @@ _OF_RELAXATION = (
 def cross_problems(
     rheology: Rheology, slope: Slope, column: Column, grid: Grid, time: Time, scheme: Scheme
 ) -> Iterator[Problem]:
-    """All that does not fit together, each with every key that the judgement rests on."""
+    """Every broken rule, with all keys that it involves."""
     if rheology.mu2 < rheology.mu1:
         allowed = f">= rheology.mu1, which is {rheology.mu1}"
         yield _out_of_range("rheology.mu2", rheology.mu2, allowed, "rheology.mu1")
@@ -137,7 +137,7 @@ def _relaxation_problems(rheology: Rheology, grid: Grid, scheme: Scheme) -> Iter
             f'"exponential" takes phi to nothing in one step of a thin cell: 2.5 cfl K dx/h_min is {exponent:.3g}; '
             f'allowed: <= {most:g} with {rheology.phi_eq}; take "rational", or smaller cells'
         )
-        yield Problem("scheme.relaxation", message, _OF_RELAXATION)
+        yield Problem("scheme.relaxation", message, _RELAXATION_KEYS)
 
 
 def _overlap(table: Table, grid: Grid) -> bool:

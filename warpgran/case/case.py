@@ -1,6 +1,7 @@
 """One run of the model, validated and frozen: how a case is made, changed and compared, its grid and initial state.
 
-Keys, defaults and ranges are in `warpgran.case.sections`, what must fit between keys in `warpgran.case.between_keys`.
+Keys, defaults and ranges are in `warpgran.case.sections`, rules that involve several keys in
+`warpgran.case.between_keys`.
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ from pydantic import PrivateAttr, StrictStr, ValidationError, model_validator
 from warpgran.arrays import Array
 from warpgran.case.between_keys import cross_problems
 from warpgran.case.model import Model, declare
-from warpgran.case.problems import CaseError, Problem, problems_of, shown
+from warpgran.case.problems import CaseError, Problem, problems_of
 from warpgran.case.sections import ALLOWED, SECTIONS, Column, Every, Grid, Rheology, Scheme, Slope, Time
-from warpgran.case.tables import TableError, read_bed, read_profile
 from warpgran.case.times import output_times, sample_times, snapshot_times
-from warpgran.case.toml import given, load, override, plain, put, text_of, without
+from warpgran.case.toml import as_data, load, override, plain, set_key, text_of
+from warpgran.case.validation import validated
 
 if TYPE_CHECKING:
     from warpgran.case.study import Study
@@ -30,10 +31,10 @@ __all__ = ["Case", "CaseError", "Column", "Every", "Grid", "Problem", "Rheology"
 
 
 class Case(Model):
-    """One run. Make it with `from_toml` or `from_dict`, change it with `with_`, make many of it with `sweep`.
+    """One run. Make it with `from_toml` or `from_dict`, change it with `with_`, vary it with `sweep`.
 
     Raises:
-        CaseError: With all that is wrong.
+        CaseError: Lists everything that is wrong.
     """
 
     title: StrictStr = declare("", "title")
@@ -68,11 +69,11 @@ class Case(Model):
 
         Args:
             path: The file, UTF-8. Paths in it start from its folder.
-            overrides: `KEY=VALUE` with a dotted key and a value in TOML; what is no TOML is taken as text. They replace
+            overrides: `KEY=VALUE` with a dotted key and a value in TOML; other values are taken as text. They replace
                 the file's values before anything is checked.
 
         Raises:
-            CaseError: With all that is wrong, each line beginning with the file's name.
+            CaseError: Lists everything that is wrong, each line beginning with the file's name.
         """
         where = os.fspath(path)
         source, data = load(where)
@@ -81,14 +82,14 @@ class Case(Model):
 
     @classmethod
     def from_dict(cls, mapping: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> Case:
-        """Make a case of nested mappings with the keys of the run file.
+        """Make a case of nested mappings that hold the keys of a run file.
 
         Args:
             mapping: Sections of keys; NumPy numbers are taken as numbers.
             folder: What relative paths in it start from.
 
         Raises:
-            CaseError: With all that is wrong.
+            CaseError: Lists everything that is wrong.
         """
         return cls._checked(mapping, [], Path(folder))
 
@@ -96,28 +97,28 @@ class Case(Model):
         """The same case with other values, checked again: `case.with_(**{"slope.angle": 16.0})`.
 
         Args:
-            changes: Values by dotted key; None takes a key back to its default. Tables that were read stay as they are.
+            changes: Values by dotted key; None restores the default. Tables are not read again.
 
         Raises:
-            CaseError: With all that is wrong.
+            CaseError: Lists everything that is wrong.
         """
-        data = given(self)
-        problems = [problem for key, value in changes.items() if (problem := put(data, key, value))]
+        data = as_data(self)
+        problems = [problem for key, value in changes.items() if (problem := set_key(data, key, value))]
         return self._checked(data, problems, self._folder, self._source)
 
     def sweep(
         self, over: Mapping[str, Any], *, mode: str = "product", samples: int | None = None, seed: int = 1
     ) -> Study:
-        """Many cases out of this one: `case.sweep({"slope.angle": [0, 10, 16, 22]})`.
+        """Cases that vary this one: `case.sweep({"slope.angle": [0, 10, 16, 22]})`.
 
         Args:
             over: By dotted key a list of values (product, zip) or `{"low": a, "high": b}` (latin, sobol).
             mode: product, zip, latin or sobol, as in the `[sweep]` section of a run file.
             samples: Number of runs for latin and sobol.
-            seed: Of the samples.
+            seed: Seed of the samples.
 
         Raises:
-            CaseError: With all that is wrong with the sweep or with any of its runs.
+            CaseError: Lists everything that is wrong with the sweep or with any of its runs.
         """
         from warpgran.case.read_study import sweep
 
@@ -125,26 +126,10 @@ class Case(Model):
 
     @classmethod
     def _checked(cls, data: Any, problems: list[Problem], folder: Path, source: str = "", where: str = "") -> Case:
-        """A case, or all that is wrong with the data beside the problems already found."""
-        if not isinstance(data, Mapping):
-            raise CaseError([Problem("", f"{shown(data)} is not a table of sections")], where)
-        data = given(data)
-        problems = [*problems, *_misplaced(data), *read_tables(data, folder)]
-        # What depends on several keys can be judged only where those are valid: take out the others and look again.
-        for _ in range(2):
-            bad = {_field(problem.key) for problem in problems if problem.key}
-            try:
-                case = cls(**without(data, bad))
-            except CaseError as error:
-                problems += [p for p in error.problems if not any(_touches(key, bad) for key in (p.key, *p.involves))]
-                if any(problem.involves for problem in error.problems):
-                    break
-            else:
-                if problems:
-                    break
-                case._source, case._folder = source, folder
-                return case
-        raise CaseError(problems, where)
+        """A case of nested data, or a CaseError with every problem, those already found first."""
+        case = validated(cls, data, problems, folder, where)
+        case._source, case._folder = source, folder
+        return case
 
     @property
     def source(self) -> str:
@@ -208,7 +193,7 @@ class Case(Model):
     def initial_state(self) -> tuple[Array, Array]:
         """Thickness h, m, and solid volume fraction phi at the cell centres at time 0, each of shape (cells,).
 
-        Outside the column h is `scheme.h_bed` and phi goes on.
+        Outside the column h is `scheme.h_bed`, and phi continues.
         """
         profile = self.column.profile
         h = np.maximum(self.column.thickness_on(self.grid), self.scheme.h_bed)
@@ -217,7 +202,7 @@ class Case(Model):
         return h, np.interp(self.x, profile.x, profile.phi)
 
     def initial_velocity(self) -> Array:
-        """Velocity at the cell centres at time 0, m/s, shape (cells,); 0 but for a profile with a column v."""
+        """Velocity at the cell centres at time 0, m/s, shape (cells,); 0 unless a profile has a column v."""
         profile = self.column.profile
         if profile is None or profile.v is None:
             return np.zeros(self.grid.cells)
@@ -230,12 +215,12 @@ class Case(Model):
 
     @property
     def sample_times(self) -> tuple[float, ...]:
-        """Times of the scalar series, s, increasing. One that is also a snapshot's has its value to the bit."""
+        """Times of the scalar series, s, increasing; a sample at a snapshot has its time to the bit."""
         return sample_times(self.time)
 
     @property
     def output_times(self) -> tuple[float, ...]:
-        """Every time at which the run stops to be looked at, s: snapshots, samples and the end."""
+        """Output times, s, increasing: snapshots, samples and the end. Each is met exactly."""
         return output_times(self.time)
 
     def _in_force(self) -> dict[str, Any]:
@@ -270,41 +255,3 @@ class Case(Model):
 
     def __hash__(self) -> int:
         return hash(tuple(self._in_force().values()))
-
-
-def _misplaced(data: dict[str, Any]) -> list[Problem]:
-    """Take out, and tell of, what looks like a section and is none."""
-    problems = []
-    for key in [key for key in data if "." in key]:
-        del data[key]
-        section, _, name = key.partition(".")
-        problems.append(Problem(f'"{key}"', f"unknown key; write {name} under [{section}]"))
-    if "sweep" in data:
-        del data["sweep"]
-        message = "is a sweep of several runs, and a case is one; read such a file with warpgran.read_study"
-        problems.append(Problem("sweep", message))
-    return problems
-
-
-def read_tables(data: dict[str, Any], folder: Path) -> list[Problem]:
-    """Put tables in place of their paths, which start from the folder, and tell of those that cannot be read."""
-    problems = []
-    for section, key, read in (("slope", "bed", read_bed), ("column", "profile", read_profile)):
-        keys = data.get(section)
-        if isinstance(keys, dict) and isinstance(keys.get(key), str | os.PathLike):
-            try:
-                keys[key] = read(keys[key], folder)
-            except TableError as error:
-                problems += [Problem(f"{section}.{key}", message) for message in error.messages]
-    return problems
-
-
-def _field(key: str) -> str:
-    """`time.snapshots` of `time.snapshots[2]` and of `time.snapshots.every`."""
-    return ".".join(key.partition("[")[0].split(".")[:2])
-
-
-def _touches(key: str, bad: set[str]) -> bool:
-    """Whether the key, or the section that it is in, is among the bad."""
-    field = _field(key)
-    return field in bad or field.partition(".")[0] in bad

@@ -1,4 +1,4 @@
-"""The identity of a case: a hash by which results are known, whatever their number in a batch."""
+"""The identity of a case: a hash that names its result, whatever its number in a batch."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 def identity(case: Case) -> str:
     """A hash of all that the result of a case depends on: 16 hexadecimal digits, the same on every machine.
 
-    It is made of every value in force, the output times and the numbers of the tables. Not in it are the title,
-    `scheme.window`, which gives the same bits, and the paths of files.
+    It covers every value in force, the output times and the numbers of the tables, but not the title, the paths of
+    files or `scheme.window`, which gives the same bits.
     """
     left_out = ("title", "scheme.window", "time.snapshots", "time.series")
     values = {key: value for key, value in case.flat().items() if key not in left_out}

@@ -1,4 +1,4 @@
-"""What is wrong with a case, in plain words and all at once."""
+"""Problems of a case, in plain words and all at once."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ _WRONG_TYPE = {
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong.
+    """One problem of a case.
 
     Attributes:
         key: Dotted key path as in the run file, "" where no key is to blame.
         message: The value, what is wrong with it and what is allowed.
-        involves: Every key that the judgement rests on; `key` itself where empty.
+        involves: Every key that the broken rule involves; `key` alone where empty.
     """
 
     key: str
@@ -49,7 +49,7 @@ class CaseError(WarpgranError, ValueError):
     """A case that cannot be run. Prints as one line per problem.
 
     Attributes:
-        problems: All that was found.
+        problems: All of them.
         where: The run file, "" where there is none.
     """
 
@@ -88,7 +88,7 @@ def unknown_key(key: str, known: Iterable[str]) -> Problem:
 
 
 def dotted(location: Sequence[str | int]) -> str:
-    """`("time", "snapshots", 2)` as `time.snapshots[2]`; parts in angle brackets name a branch and are left out."""
+    """`("time", "snapshots", 2)` as `time.snapshots[2]`; names in angle brackets (branches of a union) are left out."""
     key = ""
     for part in location:
         if isinstance(part, int):

@@ -1,4 +1,4 @@
-"""Run files with or without a `[sweep]`: read, checked, and turned into a study."""
+"""Read run files, with or without a `[sweep]`, as studies, and check every run."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from warpgran.case.case import Case, read_tables
+from warpgran.case.case import Case
 from warpgran.case.problems import CaseError, Problem, shown
 from warpgran.case.study import Study
 from warpgran.case.sweep_section import flatten, read_section
 from warpgran.case.sweep_values import values_by_run
-from warpgran.case.toml import given, load, override, put, without
+from warpgran.case.toml import as_data, load, override, set_key, without
+from warpgran.case.validation import read_tables
 
 _MOST_MESSAGES = 5
 
@@ -23,11 +24,11 @@ def read_study(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> S
 
     Args:
         path: The file, UTF-8. Paths in it start from its folder.
-        overrides: `KEY=VALUE` as for `Case.from_toml`; also of the sweep, as in `sweep.over.slope.angle=[0, 10]`.
+        overrides: `KEY=VALUE` as for `Case.from_toml`; keys of the sweep too, as in `sweep.over.slope.angle=[0, 10]`.
 
     Raises:
-        CaseError: With all that is wrong, each line beginning with the file's name; what is wrong with runs is told
-            with their number, from 0, and their values.
+        CaseError: Lists everything that is wrong, each line beginning with the file's name; problems of single
+            runs come with the number, from 0, and the values of the first.
     """
     where = os.fspath(path)
     source, data = load(where)
@@ -49,13 +50,13 @@ def sweep(
             shares of the logarithm (latin, sobol).
         mode: product (every combination, the last key fastest), zip (value by value), latin or sobol (samples).
         samples: Number of runs for latin and sobol, for sobol a power of 2.
-        seed: Of the samples: the same seed gives the same values.
+        seed: Seed of the samples: the same seed gives the same values.
 
     Raises:
-        CaseError: With all that is wrong.
+        CaseError: Lists everything that is wrong.
     """
     section = {"over": over, "mode": mode, "seed": seed} | ({} if samples is None else {"samples": samples})
-    data = given(case) | {"sweep": section}
+    data = as_data(case) | {"sweep": section}
     return _study(data, flatten(data), case.folder, case.source)
 
 
@@ -67,9 +68,9 @@ def _study(
     where: str = "",
     overridden: Sequence[str] = (),
 ) -> Study:
-    """The study that the data ask for, or all that is wrong with them beside the problems already found.
+    """The study that the data ask for, or a CaseError with every problem, those already found first.
 
-    The data are the caller's no more: they are changed.
+    The data are changed.
     """
     section = data.pop("sweep", None)
     if section is None:
@@ -91,7 +92,7 @@ def _study(
     if problems or of_file or of_runs:
         raise CaseError([*problems, *of_file, *of_runs], where)
     for key, values in columns.items():
-        put(data, key, values[0])
+        set_key(data, key, values[0])
     return Study(Case._checked(data, [], folder, source, where), columns)
 
 
@@ -104,7 +105,7 @@ def _found(data: dict[str, Any], known: list[Problem], folder: Path) -> list[Pro
 
 
 def _file_problems(data: dict[str, Any], known: list[Problem], swept: set[str], folder: Path) -> Iterator[Problem]:
-    """What is wrong in every run. Without the sweep's keys, nothing that several keys decide can be judged."""
+    """Problems that all runs share. Rules that involve a swept key are left to the runs."""
     for problem in _found(data, known, folder):
         if not problem.involves or (swept and swept.isdisjoint((problem.key, *problem.involves))):
             yield problem
@@ -113,17 +114,17 @@ def _file_problems(data: dict[str, Any], known: list[Problem], swept: set[str], 
 def _run_problems(
     data: dict[str, Any], columns: Mapping[str, Sequence[Any]], of_file: list[Problem], folder: Path
 ) -> list[Problem]:
-    """Check every run: each thing that is wrong once, with the first run where it is, a few things and a count."""
+    """Problems of single runs: each once, with the first run that has it; a few, then a count."""
     known = [problem for problem in of_file if problem.key not in columns]
-    told = set(of_file)
+    reported = set(of_file)
     runs = len(next(iter(columns.values())))
     first: dict[Problem, int] = {}
     times: dict[Problem, int] = {}
     more = invalid = 0
     for run in range(runs):
         for key, values in columns.items():
-            put(data, key, values[run])
-        found = [problem for problem in _found(data, known, folder) if problem not in told]
+            set_key(data, key, values[run])
+        found = [problem for problem in _found(data, known, folder) if problem not in reported]
         invalid += bool(found)
         for problem in found:
             if problem in first:
@@ -143,9 +144,9 @@ def _run_problems(
 
 def _where(columns: Mapping[str, Sequence[Any]], run: int, times: int) -> str:
     """`run 3: slope.angle = 100, column.phi = 0.62`."""
-    told = []
+    swept = []
     for key, values in columns.items():
         value = values[run]
-        told.append(f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {shown(value)}")
+        swept.append(f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {shown(value)}")
     count = f"{times} runs, the first is " if times > 1 else ""
-    return f"{count}run {run}: {', '.join(told)}"
+    return f"{count}run {run}: {', '.join(swept)}"

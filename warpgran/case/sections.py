@@ -142,7 +142,7 @@ class Every(Model):
 
 
 def _branch(value: Any) -> str | None:
-    """Which of the two forms of times is meant, so that errors are told of that one alone."""
+    """The form of times that is meant, so that errors speak of that one alone."""
     if isinstance(value, Mapping | Every):
         return "<every>"
     return "<list>" if isinstance(value, list | tuple) else None

@@ -18,14 +18,14 @@ if TYPE_CHECKING:  # at run time a study asks of its cases no more than flat, wi
 
 
 class Study(Sequence["Case"]):
-    """The cases of a run file, or of a sweep made in Python. Make it with `read_study`, `Case.sweep` or `Study.of`.
+    """The cases of a run file, or of a sweep made in Python. Make one with `read_study`, `Case.sweep` or `Study.of`.
 
-    `study[i]` makes the case of run i, anew each time; a slice gives a list of cases.
+    `study[i]` makes the case of run i, a new one each time; a slice gives a list of cases.
 
     Attributes:
-        base: Run 0: what all runs share it has too.
-        keys: The swept keys, dotted; none for a study of one run.
-        given: The cases of a study made with `of`, which may differ in anything; none for a sweep.
+        base: The case of run 0, for what all runs share.
+        keys: The swept keys, dotted; empty for a study of one run.
+        given: The cases of a study made with `of`, which may differ in any key; empty for a sweep.
         source: The run file's whole text, "" where there is none.
         folder: What relative paths start from.
     """
@@ -47,7 +47,7 @@ class Study(Sequence["Case"]):
 
     @classmethod
     def of(cls, cases: Sequence[Case]) -> Study:
-        """A study of given cases, which it keeps. Its keys are those of simple values in which the cases differ.
+        """A study of given cases, which it keeps. Its keys are those in which they differ and which hold single values.
 
         Raises:
             CaseError: There is no case.
@@ -98,5 +98,5 @@ class Study(Sequence["Case"]):
 
 
 def _compact(key: str, values: Sequence[Any]) -> Sequence[Any]:
-    """Values of a key as they are in force: an int for a float becomes one."""
+    """Values of a key, packed; whole numbers become floats where the key holds those."""
     return array("d", values) if KINDS[key] is float else tuple(values)

@@ -1,6 +1,6 @@
 """The `[sweep]` section of a run file: its keys, what they may hold, and which keys of a case can be swept.
 
-The section is judged here; the values that it asks for are made in `warpgran.case.sweep_values`.
+The section is checked here; `warpgran.case.sweep_values` makes the values that it asks for.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Range(Model):
 
 
 def _branch(value: Any) -> str | None:
-    """Which of the two forms is meant, so that errors are told of that one alone."""
+    """The form that is meant, so that errors speak of that one alone."""
     if isinstance(value, Mapping):
         return "<range>"
     return "<list>" if isinstance(value, list) else None
@@ -97,7 +97,7 @@ class Sweep(Model):
 
 
 class _Holder(Model):
-    """So that errors of the section have its name in their keys."""
+    """Puts the name of the section in front of the keys in errors."""
 
     sweep: Sweep
 
@@ -131,7 +131,7 @@ def read_section(section: Any) -> Sweep:
     """The section as a model.
 
     Raises:
-        CaseError: With all that is wrong with it.
+        CaseError: Lists everything that is wrong with it.
     """
     over = section.get("over") if isinstance(section, Mapping) else None
     allowed = Sweep.allowed() | {"sweep": ""}
@@ -204,8 +204,8 @@ def _size_problems(sweep: Sweep) -> Iterator[Problem]:
         yield Problem("sweep.samples", f"has no part in mode {sweep.mode}, whose lists give the number of runs")
     lengths = {key: len(values) for key, values in (sweep.over or {}).items() if isinstance(values, list)}
     if sweep.mode == "zip" and len(set(lengths.values())) > 1:
-        told = ", ".join(f"{key} has {length}" for key, length in lengths.items())
-        yield Problem("sweep.over", f"mode zip needs lists of one length: {told}")
+        each = ", ".join(f"{key} has {length}" for key, length in lengths.items())
+        yield Problem("sweep.over", f"mode zip needs lists of one length: {each}")
     runs = math.prod(lengths.values()) if sweep.mode == "product" else max(lengths.values(), default=0)
     if runs > MOST_RUNS:
         yield Problem("sweep.over", f"asks for {runs} runs; allowed: {MOST_RUNS}")

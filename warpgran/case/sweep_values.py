@@ -20,10 +20,10 @@ _MOST_MESSAGES = 5
 
 
 def values_by_run(sweep: Sweep, folder: Path) -> Mapping[str, Sequence[Any]]:
-    """Values of every swept key, by run. Numbers of a CSV file that are none stay text, to be refused with their run.
+    """Values of every swept key, by run. What is no number in a CSV file stays text, and is refused with its run.
 
     Args:
-        sweep: A section without problems.
+        sweep: A valid section.
         folder: What a relative path in it starts from.
 
     Raises:
@@ -69,7 +69,7 @@ def _scaled(u: Array, values: Range) -> list[float]:
 
 
 def _read_samples(path: Path) -> dict[str, Sequence[Any]]:
-    """Values by run from a CSV file: a header of dotted keys, and a row a run. Empty lines and `#` are passed over.
+    """Values by run from a CSV file: a header of dotted keys, then a row a run. Empty lines and `#` are ignored.
 
     Raises:
         CaseError: The file cannot be used.
@@ -98,12 +98,12 @@ def _read_samples(path: Path) -> dict[str, Sequence[Any]]:
 
 def _unusable(messages: list[str]) -> CaseError:
     more = len(messages) - _MOST_MESSAGES
-    told = messages[:_MOST_MESSAGES] + ([f"and {more} more of this table"] if more > 0 else [])
-    return CaseError([Problem("sweep.from", message) for message in told])
+    shown = messages[:_MOST_MESSAGES] + ([f"and {more} more of this table"] if more > 0 else [])
+    return CaseError([Problem("sweep.from", message) for message in shown])
 
 
 def _real(cell: str) -> float | str:
-    """A number; what is none stays text, which is refused with its run."""
+    """A number, or the text if it is none."""
     try:
         return cell if "_" in cell else float(cell)  # float() takes 1_000
     except ValueError:
@@ -111,7 +111,7 @@ def _real(cell: str) -> float | str:
 
 
 def _whole(cell: str) -> float | str:
-    """A whole number, also one written 4e2, as programs write tables."""
+    """A whole number, also one that a program has written as 4e2."""
     value = _real(cell)
     return int(value) if isinstance(value, float) and value.is_integer() else value
 

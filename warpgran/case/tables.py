@@ -1,7 +1,7 @@
 """The two tables that a case may name: the bed's elevation and the column's profile.
 
-A table is a CSV file with a header. Columns may stand in any order, spaces around names and numbers, a byte order mark,
-empty lines and lines that start with `#` are passed over. All lengths are in m.
+A table is a CSV file with a header. Columns may stand in any order; spaces around names and numbers, a byte order mark,
+empty lines and lines that start with `#` are ignored. All lengths are in m.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class TableError(WarpgranError, ValueError):
     """A table that cannot be used.
 
     Attributes:
-        messages: What is wrong, each with the file and the line, at most ten and a count of the rest.
+        messages: The problems with file and line, at most ten and a count of the rest.
     """
 
     def __init__(self, messages: Sequence[str]) -> None:
@@ -57,7 +57,7 @@ class Table:
         return {name: values for name, values in vars(self).items() if isinstance(values, np.ndarray)}
 
     def plain(self) -> str | dict[str, list[float]]:
-        """What names this table in a run file: its path, or else its columns."""
+        """This table as a run file names it: its path, or else its columns."""
         return self.path if self.path is not None else {name: v.tolist() for name, v in self.columns().items()}
 
     def __eq__(self, other: object) -> bool:
@@ -89,7 +89,7 @@ class ProfileTable(Table):
     Attributes:
         h: Thickness, m, shape (rows,), >= 0 and somewhere > 0.
         phi: Solid volume fraction, shape (rows,), between 0 and 1; None if the table has none.
-        v: Velocity, m/s, shape (rows,); None if the table has none: at rest.
+        v: Velocity, m/s, shape (rows,); None if the table has none, for a mass at rest.
     """
 
     h: Array
@@ -108,7 +108,7 @@ def read_bed(source: Source, folder: str | os.PathLike[str] = ".") -> BedTable:
         folder: What a relative path starts from.
 
     Raises:
-        TableError: With all that is wrong.
+        TableError: Lists everything that is wrong.
     """
     return BedTable(**_read(source, folder, ("x", "b"), ()))
 
@@ -121,7 +121,7 @@ def read_profile(source: Source, folder: str | os.PathLike[str] = ".") -> Profil
         folder: What a relative path starts from.
 
     Raises:
-        TableError: With all that is wrong.
+        TableError: Lists everything that is wrong.
     """
     return ProfileTable(**_read(source, folder, ("x", "h"), ("phi", "v")))
 
@@ -191,7 +191,7 @@ def read_columns(
     """The columns of a CSV file of numbers, and the place of each row as FILE:LINE.
 
     Raises:
-        TableError: With all that is wrong with the file; what the numbers must be is the caller's to say.
+        TableError: Lists everything that is wrong with the file; the numbers are for the caller to check.
     """
     lines = lines_of(path)
     if not lines:
@@ -231,7 +231,7 @@ def _is_number(cell: str) -> bool:
 
 
 def _faults(columns: Mapping[str, Array], places: Sequence[str], table: str) -> list[str]:
-    """What is wrong with the values, in the order of the rows."""
+    """Problems of the values, in the order of the rows."""
     x = columns["x"]
     if x.size < 2:
         return [f"{table}: has {x.size} row{'' if x.size == 1 else 's'} of numbers; allowed: at least 2"]

@@ -1,4 +1,4 @@
-"""When a run stops to be looked at."""
+"""Output times of a run: snapshots, series samples, end. Each is met exactly."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from warpgran.case.sections import Every, Time
 
 SAME_TIME = 1e-9
-"""Times closer than this part of `time.end` are one."""
+"""Times that differ by less than this fraction of `time.end` are one."""
 
 
 def snapshot_times(time: Time) -> tuple[float, ...]:
@@ -20,7 +20,7 @@ def snapshot_times(time: Time) -> tuple[float, ...]:
 
 
 def sample_times(time: Time) -> tuple[float, ...]:
-    """Times of the scalar series, s, increasing. One that is also a snapshot's has its value to the bit."""
+    """Times of the scalar series, s, increasing; a sample at a snapshot has its time to the bit."""
     near = SAME_TIME * time.end
     times = np.array(_listed(time.series, time.end))
     snapshots = np.array([*snapshot_times(time), math.inf])
@@ -29,7 +29,7 @@ def sample_times(time: Time) -> tuple[float, ...]:
 
 
 def output_times(time: Time) -> tuple[float, ...]:
-    """Every time at which the run stops to be looked at, s: snapshots, samples and the end."""
+    """Every output time, s, increasing."""
     return tuple(sorted({*snapshot_times(time), *sample_times(time), time.end}))
 
 

@@ -15,10 +15,10 @@ from warpgran.case.tables import Table
 
 
 def load(path: str) -> tuple[str, dict[str, Any]]:
-    """The whole text of a run file and its keys.
+    """The text of a run file and its keys.
 
     Raises:
-        CaseError: Where it cannot be read or is no TOML.
+        CaseError: It cannot be read, or is not TOML.
     """
     try:
         source = Path(path).read_text(encoding="utf-8-sig")
@@ -37,7 +37,7 @@ def load(path: str) -> tuple[str, dict[str, Any]]:
 
 
 def override(data: dict[str, Any], text: str) -> Problem | None:
-    """Set a key from `KEY=VALUE`; a value that is no TOML is taken as text."""
+    """Set a key from `KEY=VALUE`; a value that is not TOML is taken as text."""
     key, equals, raw = text.partition("=")
     if not equals or not key.strip():
         return Problem("", f"override {shown(text)} is not KEY=VALUE")
@@ -46,13 +46,13 @@ def override(data: dict[str, Any], text: str) -> Problem | None:
     except (tomllib.TOMLDecodeError, RecursionError):
         parsed = {}
     only_a_value = parsed.keys() == {"value"}  # a line break in the text could bring in more keys
-    return put(data, key.strip(), parsed["value"] if only_a_value else raw.strip())
+    return set_key(data, key.strip(), parsed["value"] if only_a_value else raw.strip())
 
 
-def put(data: dict[str, Any], key: str, value: Any) -> Problem | None:
-    """Set, or with None take out, one dotted key of nested dicts."""
+def set_key(data: dict[str, Any], key: str, value: Any) -> Problem | None:
+    """Set one dotted key of nested dicts; None removes it."""
     *parents, last = _path(key)
-    if key not in ALLOWED and parents[:1] != ["sweep"]:  # the sweep is judged by warpgran.sweep
+    if key not in ALLOWED and parents[:1] != ["sweep"]:  # the section judges its own keys
         return unknown_key(key, ALLOWED)
     for parent in parents:
         if not isinstance(data.get(parent), dict):
@@ -61,12 +61,12 @@ def put(data: dict[str, Any], key: str, value: Any) -> Problem | None:
     if value is None:
         data.pop(last, None)
     else:
-        data[last] = given(value)
+        data[last] = as_data(value)
     return None
 
 
 def _path(key: str) -> list[str]:
-    """Where a dotted key is in nested dicts. Under `sweep.over` dotted keys are single names, quoted or not."""
+    """The nested names of a dotted key. Under `sweep.over` dotted keys are single names, quoted or not."""
     parts = key.split(".")
     if parts[:2] != ["sweep", "over"] or len(parts) == 2:
         return parts
@@ -74,15 +74,15 @@ def _path(key: str) -> list[str]:
     return ["sweep", "over", ".".join([section, *rest[:1]]), *rest[1:]]
 
 
-def given(value: Any) -> Any:
-    """A model as a dict of what was set in it, by key; dicts anew, so that they can be changed."""
+def as_data(value: Any) -> Any:
+    """A model as a dict of the keys that were set in it; dicts are copied, so that they can be changed."""
     if isinstance(value, Model):
-        return {k: given(getattr(value, name)) for name, k in value.keys().items() if name in value.model_fields_set}
-    return {str(key): given(item) for key, item in value.items()} if isinstance(value, Mapping) else value
+        return {k: as_data(getattr(value, name)) for name, k in value.keys().items() if name in value.model_fields_set}
+    return {str(key): as_data(item) for key, item in value.items()} if isinstance(value, Mapping) else value
 
 
 def without(data: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
-    """The data less some sections and `section.key`s."""
+    """The data without some sections and `section.key`s."""
     return {
         section: {key: item for key, item in value.items() if f"{section}.{key}" not in keys}
         if isinstance(value, dict)
@@ -102,7 +102,7 @@ def plain(value: Any) -> Any:
 
 
 def text_of(values: Mapping[str, Any]) -> str:
-    """A run file of plain values by dotted key, section after section; keys with None are left out."""
+    """A run file of plain values by dotted key, in the order of their sections; None leaves a key out."""
     lines = []
     section = ""
     for key, value in values.items():
@@ -116,7 +116,7 @@ def text_of(values: Mapping[str, Any]) -> str:
 
 
 def toml_value(value: Any) -> str:
-    """A plain value as a run file has it."""
+    """A plain value in TOML."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):  # JSON's strings are TOML's but for one character
