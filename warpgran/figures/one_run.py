@@ -135,8 +135,7 @@ def _draw_series(one: xr.Dataset, axes: list[Axes]) -> None:
     time = one["series_time"].values
     marker = "." if np.isfinite(one["h_max"].values).sum() == 1 else None
     for ax, panel in zip(axes, SERIES, strict=True):
-        values = one[panel.name if panel.name in one else "v_max"].values  # v_flow: v_max without the thinnest flow
-        ax.plot(time, panel.factor * values, color="black", marker=marker)
+        ax.plot(time, panel.factor * one[panel.name].values, color="black", marker=marker)
         _finish(ax, panel, one)
     _draw_speeds(one, axes[2], marker)
     stop_time = float(one["stop_time"].item())

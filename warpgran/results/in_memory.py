@@ -31,8 +31,8 @@ class MemoryResults:
 
     def put(self, at: Sequence[int], rows: Mapping[str, Array]) -> None:
         """Store rows of `Layout.rows` at these places."""
-        for name, values in rows.items():
-            self.arrays[name][list(at)] = values
+        for name, array in self.arrays.items():
+            array[list(at)] = rows[name]
 
     def to_dataset(self, **attributes: Any) -> xr.Dataset:
         """The results as an xarray.Dataset; the keys in which runs differ are coordinates of `run`."""

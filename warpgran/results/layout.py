@@ -1,4 +1,4 @@
-"""The results of a study: what is computed of each run, and all of it in memory as a labelled dataset."""
+"""The layout of a result: its variables, their shapes and types, and their values from what an engine returns."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from warpgran.case.case import Case
 from warpgran.case.identity import identity
 from warpgran.case.problems import CaseError, Problem
 from warpgran.case.study import Study
+from warpgran.results.series import Samples, check_sources, series, stop_time
 from warpgran.schema import COORDINATES, FIELDS, PER_RUN, SCHEMA_VERSION, SERIES, Status, Variable
 from warpgran.solve.finished import SCALARS, Finished
 from warpgran.solve.schedule import Outputs
@@ -48,7 +49,9 @@ class Layout:
 
         Raises:
             CaseError: The runs do not share their output times.
+            NotImplementedError: A series of the schema has no source.
         """
+        check_sources()
         self.study = study
         self.runs = np.arange(len(study)) if runs is None else np.asarray(runs)
         self.outputs = Outputs.of(study.base)
@@ -83,16 +86,10 @@ class Layout:
             for name, profile in zip(FIELDS, finished.profiles, strict=True)
         }
         t = self.outputs.times[self.outputs.sample_at >= 0]
-        scalars = dict(zip(SCALARS, np.moveaxis(finished.scalars, 2, 0), strict=True))
-        volume = np.array([_volume(case) for case in cases])[:, None]
-        rows |= {name: scalars[name] for name in SERIES.keys() & scalars.keys()}
-        rows["volume_change"] = scalars["volume"] / volume - 1.0
-        flat = np.full_like(rows["front"], np.nan)
-        rows["front_speed"] = np.gradient(rows["front"], t, axis=1) if t.size > 1 else flat
-        rest_speeds = [case.time.rest_speed for case in cases]
-        rows["stop_time"] = np.array(
-            [stop_time(t, v, rest) for v, rest in zip(scalars["v_flow"], rest_speeds, strict=True)]
-        )
+        samples = Samples(cases, t, dict(zip(SCALARS, np.moveaxis(finished.scalars, 2, 0), strict=True)))
+        rows |= series(samples)
+        speeds = zip(samples.scalars["v_flow"], cases, strict=True)
+        rows["stop_time"] = np.array([stop_time(t, v_flow, case.time.rest_speed) for v_flow, case in speeds])
         rows |= {"status": finished.status, "steps": finished.steps, "end_time": finished.end_time}
         words = [str(finished.failures[r]) if r in finished.failures else "" for r in range(len(cases))]
         rows["failure"] = np.array([word.encode() for word in words], dtype=FAILURE)
@@ -140,17 +137,6 @@ class Layout:
         }
 
 
-def stop_time(t: Array, v_flow: Array, rest_speed: float) -> float:
-    """First sample time [s] after which the speed stays below rest_speed [m/s]; NaN if it never does.
-
-    The initial state is at rest without having stopped: what counts is after the mass has moved.
-    """
-    moving = np.flatnonzero(~(v_flow < rest_speed))
-    if moving.size == 0 or moving[-1] == t.size - 1:
-        return float("nan")
-    return float(t[moving[-1] + 1])
-
-
 def status_attributes() -> dict[str, Any]:
     """Meaning of the status codes, as CF has it."""
     return {
@@ -170,9 +156,3 @@ def _wide(profile: Array, cells: int, each: Sequence[int]) -> Array:
     for row, source, n in zip(wide, profile, each, strict=True):
         row[:, :n] = source[:, :n]
     return wide
-
-
-def _volume(case: Case) -> float:
-    """Volume per unit width [m2] of the cells that start thicker than h_front; NaN if there are none."""
-    h, _ = case.initial_state()
-    return float(h[h > case.scheme.h_front].sum() * case.dx) or float("nan")

@@ -89,7 +89,7 @@ class PartFile:
         Raises:
             StorageError: The disk is full, for instance. What was stored before is sound.
         """
-        names = sorted(rows, key=lambda name: name == "status")
+        names = sorted(self.layout.columns, key=lambda name: name == "status")
         columns = [np.ascontiguousarray(rows[name], dtype=self.layout.columns[name].dtype) for name in names]
         with _telling(self.path):
             for n, place in enumerate(at):
