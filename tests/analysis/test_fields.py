@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import tomllib
+from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import xarray as xr
+from helpers.cases import small
 
+import warpgran as wg
 from warpgran.analysis.fields import derive, parameter
+from warpgran.case.study import Study
+from warpgran.run.options import Options
+from warpgran.run.to_file import run_to_file
 
 CASE = """
 [rheology]
@@ -98,6 +106,51 @@ def test_each_run_has_its_own_parameters() -> None:
 def test_slope_of_each_run() -> None:
     data = result(runs=2).assign_coords({"slope.angle": ("run", [60.0, 0.0])})
     np.testing.assert_allclose(derive(data, "I")["I"].values[:, 0, 0], [INERTIAL, INERTIAL / np.sqrt(2)], rtol=1e-6)
+
+
+def joined(*results: xr.Dataset) -> xr.Dataset:
+    return xr.concat(results, "run", data_vars="all", coords="different", compat="equals", join="outer")
+
+
+def assert_as_alone(together: xr.Dataset, *alone: xr.Dataset) -> None:
+    """The derived fields and forces of joined results are those of each of its results."""
+    for compute in (derive, wg.forces):
+        fields = compute(together)
+        for name in fields:
+            each = np.concatenate([compute(result)[name].values for result in alone])
+            np.testing.assert_allclose(fields[name], each, rtol=1e-14, err_msg=str(name))
+
+
+def test_runs_of_joined_results_keep_their_own_parameters(tmp_path: Path) -> None:
+    a, b = small(**{"rheology.K": 1.0, "slope.angle": 0.0}), small(**{"rheology.phi_eq": "f0"})
+    one, other = wg.simulate(a), wg.simulate(b)
+    assert_as_alone(joined(one, other), one, other)
+    run_to_file(Study.of([a]), tmp_path / "a.h5", Options())
+    together = joined(wg.open_dataset(tmp_path / "a.h5"), other)
+    assert_as_alone(together, one, other)
+    assert parameter(together, "rheology.K").values.tolist() == [1.0, 4.09]
+    assert parameter(together.isel(run=0), "rheology.K").item() == 1.0
+    assert parameter(together, "rheology.mu1").dims == ()
+
+
+def test_a_sweep_may_be_joined_with_a_run_that_lacks_its_keys() -> None:
+    sweep = wg.simulate(small().sweep({"rheology.K": [1.0, 2.0], "rheology.phi_eq": ["f0", "f1"]}, mode="zip"))
+    alone = wg.simulate(small(**{"rheology.K": 3.0}))
+    together = joined(
+        sweep.reset_coords(["rheology.K", "rheology.phi_eq"]), alone
+    )  # concat fills what is no coordinate
+    assert together["rheology.K"].values.tolist()[:2] == [1.0, 2.0] and np.isnan(together["rheology.K"][2])
+    assert parameter(together, "rheology.K").values.tolist() == [1.0, 2.0, 3.0]
+    assert parameter(together, "rheology.phi_eq").values.tolist() == ["f0", "f1", "f2"]
+    assert_as_alone(together, sweep, alone)
+
+
+def test_the_text_is_parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = result(runs=3).assign_attrs(case_toml=CASE + "# another text\n")
+    parsed = Mock(wraps=tomllib.loads)
+    monkeypatch.setattr("tomllib.loads", parsed)
+    derive(data)
+    assert parsed.call_count == 1
 
 
 def test_f0_does_not_fall_below_zero() -> None:

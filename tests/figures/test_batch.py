@@ -314,3 +314,12 @@ def test_every_key_that_can_vary_has_a_name() -> None:
     assert keys - tables == PARAMETERS.keys()
     assert named("rheology.grain_diameter").value(7e-4) == "$d$ = $0.7$ mm"
     assert named("new.key").value(3) == "new.key = 3"
+
+
+def test_joined_results_are_headed_by_what_they_share() -> None:
+    data = batch(slope__angle=[0.0, 22.0])
+    texts = [data.attrs["case_toml"], data.attrs["case_toml"].replace("K = 4.09", "K = 1.0").replace("Dense", "Other")]
+    figure = page(data.assign_coords(case_toml=("run", texts)))
+    title, facts = figure.get_suptitle().splitlines()
+    assert title == "Dense column, 22 degrees / Other column, 22 degrees"
+    assert r"$\varphi_0$ = $0.62$" in facts and "$K$" not in facts

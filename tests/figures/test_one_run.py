@@ -167,6 +167,12 @@ def test_long_headings_are_broken_between_facts_and_fit_the_page(tmp_path: Path)
     assert all(line.endswith(("°", ",", "diverged")) or "=" not in line for line in heading(figure).splitlines())
 
 
+def test_a_run_from_a_profile_has_no_packing_in_its_heading() -> None:
+    data = collapse()
+    data.attrs["case_toml"] = data.attrs["case_toml"].replace("phi = 0.62\n", "")
+    assert heading(page(data)).splitlines()[1] == r"$\theta$ = $22$°, $K$ = $4.09$"
+
+
 def test_a_run_that_came_to_rest_did_not_end_early() -> None:
     data = collapse()
     data["status"][0] = "at_rest"

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -26,34 +27,63 @@ GRAVITY = 9.81  # m s-2, where the result does not say what it was
 def parameter(data: xr.Dataset, key: str, default: Any = None) -> xr.DataArray:
     """What a parameter was in each run.
 
+    A run's value is the coordinate of that name, which swept keys have; where there is none, or it is missing (after
+    joining results of different sweeps), what the run's own text says, coordinate case_toml; where there is no such
+    coordinate, what the attribute case_toml says.
+
     Args:
         data: a result, with all its runs or (after `data.isel(run=0)`) one.
         key: dotted key of the run file, e.g. "slope.angle"; in the units of the run file.
         default: the value where the result does not have the key; None for an error.
 
     Returns:
-        The values over `run` for a varied key, else one value without dimensions.
+        The values over `run` where they vary, else one value without dimensions.
 
     Raises:
-        ResultError: the result has no such parameter, and no default is given.
+        ResultError: a run has no such parameter, and no default is given.
     """
-    if key in data.variables:
-        return data[key]
-    value: Any = tomllib.loads(data.attrs.get("case_toml", ""))
+    swept = data[key] if key in data.variables else None
+    if swept is not None and swept.notnull().all():
+        return swept
+    values = _from_texts(data, key)
+    values = values if default is None else values.fillna(default)
+    values = values if swept is None else swept.fillna(values)
+    if default is None and values.isnull().any():
+        raise ResultError(
+            f"the result does not say what {key} was: neither its case_toml nor a coordinate of that name"
+        )
+    return values.copy(data=np.array(values.values.tolist()))
+
+
+def _from_texts(data: xr.Dataset, key: str) -> xr.DataArray:
+    """What the texts of the runs say of a key, None where nothing; over `run` only if they differ."""
+    texts = data.coords.get("case_toml", xr.DataArray(data.attrs.get("case_toml", "")))
+    found = {text: _value(text, key) for text in dict.fromkeys(texts.values.ravel().tolist())}
+    first, *others = found.values()
+    if all(value == first for value in others):
+        return xr.DataArray(np.array(first, dtype=object))
+    return xr.DataArray([found[text] for text in texts.values.tolist()], dims=texts.dims).astype(object)
+
+
+def _value(text: str, key: str) -> Any:
+    value: Any = _parsed(text)
     for name in key.split("."):
         value = value.get(name) if isinstance(value, dict) else None
-    value = default if value is None else value
-    if value is None:
-        raise ResultError(f"the result does not say what {key} was: neither its attribute case_toml nor a coordinate")
-    return xr.DataArray(value)
+    return value
+
+
+@lru_cache(maxsize=1000)
+def _parsed(text: str) -> dict[str, Any]:
+    """A run file; parsed once, for every field and run asks for its keys."""
+    return tomllib.loads(text)
 
 
 def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
     """Fields that follow from h, v and phi.
 
     Args:
-        data: a result with h [m], v [m/s] and phi [-] over (run, time, cell), and the attribute case_toml; what
-            selections leave of one (a run, an instant, some cells) will do.
+        data: a result with h [m], v [m/s] and phi [-] over (run, time, cell), and case_toml; what selections
+            leave of one (a run, an instant, some cells) will do, and several joined along run.
         names: any of gamma [1/s], I [-], phi_eq [-], psi [degrees] and mu [-]; all of them if none is given.
 
     Returns:

@@ -40,8 +40,8 @@ def forces(data: xr.Dataset) -> xr.Dataset:
     what holds the mass against gravity and pressure, up to mu g_c phi h.
 
     Args:
-        data: a result with x, bed, h [m], v [m/s] and phi [-] over (run, time, cell), at least two snapshots and the
-            attribute case_toml; one run of it will do.
+        data: a result with x, bed, h [m], v [m/s] and phi [-] over (run, time, cell), at least two snapshots and
+            case_toml; one run of it will do, and several joined along run.
 
     Returns:
         f_acc, f_inert, f_press, f_grav and f_fric [m2 s-2], per unit area and grain density, with the dimensions of h;

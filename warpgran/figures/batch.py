@@ -20,11 +20,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from warpgran.analysis.fields import parameter
 from warpgran.analysis.summary import summary
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
-from warpgran.figures.names import named
 from warpgran.figures.style import (
     CLEAN,
     FRONT_LABEL,
@@ -38,6 +36,7 @@ from warpgran.figures.style import (
     hold_open,
     legend,
     letter,
+    main_facts,
     small_print,
 )
 from warpgran.figures.swept_keys import Key, runs_along, varied_keys
@@ -161,9 +160,7 @@ def _page(data: xr.Dataset, batch: Batch) -> Figure:
 def _heading(data: xr.Dataset, batch: Batch) -> str:
     """Title, number of runs, what varies, and the main parameters that do not."""
     varied = [key.span() for key in batch.drawn or batch.keys[:MAX_KEYS]]
-    fixed = [key for key in ("slope.angle", "column.phi", "rheology.K") if key not in data.coords]
-    fixed = [named(key).value(float(parameter(data, key).item())) for key in fixed]
-    return heading(data, [f"{len(batch.done)} runs", *varied, *fixed])
+    return heading(data, [f"{len(batch.done)} runs", *varied, *main_facts(data)])
 
 
 def _caption(batch: Batch, mapped: bool) -> str:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 import textwrap
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,6 +46,7 @@ STYLE: Any = {
 THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7, "zorder": 1}
 MARKUP = re.compile(r"\\[a-z]+|[${}_^]")  # what takes no room in a line
 CLEAN = tuple(status.word for status in Status if status.clean)
+MAIN_KEYS = ("slope.angle", "column.phi", "rheology.K")  # of a heading
 FRONT_LABEL = r"front position $x_\mathrm{f}$ (m)"
 TIME_LABEL = "time $t$ (s)"
 
@@ -110,9 +110,8 @@ def wet_range(one: xr.Dataset) -> slice:
 
 def run_heading(one: xr.Dataset, width: int = 95) -> str:
     """Title of the case, its main parameters, what else varies between the runs, and how the run ended."""
-    main = ("slope.angle", "column.phi", "rheology.K")
-    facts = [named(key).value(number(one, key)) for key in main]
-    varied = [str(name) for name in one.variables if "." in str(name) and name not in main]
+    varied = [str(name) for name in one.variables if "." in str(name) and name not in MAIN_KEYS]
+    facts = main_facts(one)
     facts += [f"{name} = {shown(one[name].item()).strip('$')}" for name in varied]
     if one.attrs["runs"] > 1:
         facts.append(f"run {one.attrs['run']} (0 to {one.attrs['runs'] - 1})")
@@ -122,9 +121,15 @@ def run_heading(one: xr.Dataset, width: int = 95) -> str:
     return heading(one, facts, width)
 
 
+def main_facts(data: xr.Dataset) -> list[str]:
+    """The main parameters that the result has, each where it is the same in all runs."""
+    values = {key: parameter(data, key, np.nan) for key in MAIN_KEYS}
+    return [named(key).value(float(v.item())) for key, v in values.items() if v.size == 1 and v.notnull()]
+
+
 def heading(data: xr.Dataset, facts: Sequence[str], width: int = 95) -> str:
     """Title of the case, then facts, in lines of about `width` characters."""
-    title = str(tomllib.loads(data.attrs.get("case_toml", "")).get("title", ""))
+    title = " / ".join(dict.fromkeys(parameter(data, "title", "").values.ravel().tolist()))
     lines = [""]
     for fact in facts:
         longer = f"{lines[-1]}, {fact}".removeprefix(", ")

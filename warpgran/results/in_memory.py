@@ -49,7 +49,9 @@ class MemoryResults:
         coordinates: dict[str, Any] = {name: variables.pop(name) for name in ("x", "time", "series_time")}
         coordinates |= self.layout.sizes()
         coordinates |= {key: ("run", values) for key, values in self.layout.parameters().items()}
-        return xr.Dataset(variables, coordinates, self.layout.attributes(**attributes))
+        facts = self.layout.attributes(**attributes)
+        coordinates["case_toml"] = "run", np.full(self.layout.runs.size, facts["case_toml"], dtype=object)
+        return xr.Dataset(variables, coordinates, facts)
 
 
 def _blank(shape: tuple[int, ...], dtype: np.dtype[Any]) -> Array:

@@ -44,7 +44,9 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         raise StorageError(f"cannot read {path}: its schema is version {found}, this warpgran knows {SCHEMA_VERSION}")
     series = xr.open_dataset(path, engine="h5netcdf", group="series")
     params = xr.open_dataset(path, engine="h5netcdf", group=PARAMETERS)
-    merged = root.merge(series).assign_coords({str(key): ("run", params[key].values) for key in params})
+    by_run = {str(key): ("run", params[key].values) for key in params}
+    by_run["case_toml"] = "run", np.full(root.sizes["run"], root.attrs["case_toml"], dtype=object)
+    merged = root.merge(series).assign_coords(by_run)
     merged["failure"] = merged["failure"].astype(str)
     waiting = merged["status"] == Status.PENDING
     if waiting.any():  # in a file that is not finished, numbers that are not there yet read as 0
