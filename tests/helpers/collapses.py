@@ -23,6 +23,7 @@ mu_wall = 0.0
 channel_width = 0.2
 [slope]
 angle = 22.0
+gravity = 9.81
 [column]
 height = 0.14
 length = 0.2

@@ -18,8 +18,6 @@ import xarray as xr
 from warpgran.analysis.fields import derive, normal_gravity, parameter
 from warpgran.errors import ResultError
 
-REST_SPEED = 1e-3  # m s-1, where the result does not say what counts as rest
-
 LONG_NAMES = {
     "f_acc": "acceleration force d_t(phi h v)",
     "f_inert": "inertial force d_x(phi h v^2)",
@@ -63,7 +61,7 @@ def forces(data: xr.Dataset) -> xr.Dataset:
     }
     strength = derive(data, "mu")["mu"] * g_c * solid
     held = (-(fields["f_press"] + fields["f_grav"])).clip(-strength, strength)
-    moving = abs(v) > parameter(data, "time.rest_speed", REST_SPEED)
+    moving = abs(v) > parameter(data, "time.rest_speed")
     fields["f_fric"] = (-strength * np.sign(v)).where(moving, held)
     for name, field in fields.items():
         fields[name] = field.transpose(*h.dims).where(fields["f_inert"].notnull())

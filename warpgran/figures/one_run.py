@@ -15,7 +15,7 @@ from matplotlib import colormaps, rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.analysis.fields import derive
+from warpgran.analysis.fields import derive, number
 from warpgran.errors import ResultError
 from warpgran.figures.style import (
     FRONT_LABEL,
@@ -30,7 +30,6 @@ from warpgran.figures.style import (
     hold_open,
     legend,
     letter,
-    number,
     one_run,
     run_heading,
     small_print,
@@ -77,7 +76,7 @@ def plot(data: xr.Dataset, path: str | Path, *, run: int = 0) -> Path:
 
 def _caption(one: xr.Dataset, drawn: int, held: int) -> str:
     """The small print under the profiles."""
-    h_front = 1000.0 * number(one, "scheme.h_front", 1e-3)
+    h_front = 1000.0 * number(one, "scheme.h_front")
     caption = rf"$v$, $\varphi$ and $\psi$ are drawn only where $h$ > {h_front:g} mm."
     return caption + (f" {drawn} of the {held} snapshots are shown." if drawn < held else "")
 
@@ -112,7 +111,7 @@ def _draw_profiles(one: xr.Dataset, axes: list[Axes]) -> None:
     instants = np.unique(np.linspace(0, held - 1, min(held, MAX_INSTANTS)).round().astype(int))
     one = one.isel(cell=wet_range(one), time=instants)
     one = one.assign(derive(one, "psi"))
-    thick = one["h"].values > number(one, "scheme.h_front", 1e-3)
+    thick = one["h"].values > number(one, "scheme.h_front")
     colours = colormaps["viridis"](np.linspace(0.0, 0.87, instants.size))
     for ax, panel in zip(axes, PROFILES, strict=True):
         values = np.where(thick | panel.thin, panel.factor * one[panel.name].values, np.nan)
@@ -149,7 +148,7 @@ def _draw_series(one: xr.Dataset, axes: list[Axes]) -> None:
 
 def _draw_speeds(one: xr.Dataset, ax: Axes, marker: str | None) -> None:
     """Add the speed of the front and the speed that counts as rest; logarithmic if anything ever moves."""
-    rest_speed = number(one, "time.rest_speed", 1e-3)
+    rest_speed = number(one, "time.rest_speed")
     ax.lines[0].set_label(r"$|v|$, maximum")
     ax.plot(one["series_time"], one["front_speed"], color="tab:blue", linestyle="--", marker=marker)
     ax.lines[1].set_label(r"$\dot{x}_\mathrm{f}$, front")

@@ -17,7 +17,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.transforms import ScaledTranslation
 
-from warpgran.analysis.fields import parameter
+from warpgran.analysis.fields import number, parameter
 from warpgran.analysis.summary import status_words
 from warpgran.errors import OptionError, ResultError
 from warpgran.figures.names import named, shown
@@ -94,14 +94,9 @@ def computed_snapshots(one: xr.Dataset) -> xr.Dataset:
     return one.isel(time=np.flatnonzero(np.isfinite(one["h"].values).any(axis=-1)))
 
 
-def number(one: xr.Dataset, key: str, default: float | None = None) -> float:
-    """A numeric parameter of the run."""
-    return float(parameter(one, key, default).item())
-
-
 def wet_range(one: xr.Dataset) -> slice:
     """The cells between the first and the last that is ever thicker than h_front [m], and a margin of 4 %."""
-    cells = np.flatnonzero((one["h"].values > number(one, "scheme.h_front", 1e-3)).any(axis=0))
+    cells = np.flatnonzero((one["h"].values > number(one, "scheme.h_front")).any(axis=0))
     if cells.size == 0:
         return slice(0, one.sizes["cell"])
     margin = max(2, round(0.04 * (cells[-1] - cells[0])))

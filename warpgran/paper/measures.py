@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from warpgran.analysis.fields import derive, parameter
+from warpgran.analysis.fields import derive, number
 from warpgran.arrays import Array
 from warpgran.paper.results import NotComputedError
 
@@ -21,7 +21,7 @@ GRAIN_TENTH = 7e-5  # m, a tenth of a grain
 
 def mass(shot: xr.Dataset, thicker: float | None = None) -> Array:
     """Cells thicker than h_front, or than so much [m]."""
-    limit = float(parameter(shot, "scheme.h_front", 1e-3)) if thicker is None else thicker
+    limit = number(shot, "scheme.h_front") if thicker is None else thicker
     return np.asarray(shot["h"].values > limit)
 
 
