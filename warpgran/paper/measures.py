@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from warpgran.analysis.fields import derive, number
+from warpgran.analysis.front import front
 from warpgran.arrays import Array
 from warpgran.paper.results import NotComputedError
 
@@ -26,13 +27,13 @@ def mass(shot: xr.Dataset, thicker: float | None = None) -> Array:
 
 
 def front_of(shot: xr.Dataset, level: float = 1e-3) -> float:
-    """The largest x where h falls through a level [m], linear between cell centres, as the front of the series."""
-    h, x = shot["h"].values, shot["x"].values
-    thick = np.flatnonzero(h > level)
-    if thick.size == 0 or thick[-1] == h.size - 1:
-        return float(x[thick[-1]]) if thick.size else float("nan")
-    i = thick[-1]
-    return float(x[i] + (h[i] - level) / (h[i] - h[i + 1]) * (x[i + 1] - x[i]))
+    """The largest x where h falls through a level [m]."""
+    return front(shot["x"].values, shot["h"].values, level)
+
+
+def extent(shot: xr.Dataset, level: float = 1e-3) -> float:
+    """Distance from the back wall to the front [m]."""
+    return front_of(shot, level) - number(shot, "grid.left")
 
 
 def moving(shot: xr.Dataset) -> Array:
