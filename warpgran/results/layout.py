@@ -21,11 +21,11 @@ from warpgran.solve.finished import SCALARS, Finished
 from warpgran.solve.schedule import Outputs
 
 FAILURE = np.dtype("S200")
-"""Room for the words that say how a run diverged."""
+"""Text that says how a run diverged."""
 
 
 class Column(NamedTuple):
-    """What a result holds of each run: the schema, and the shape and type of one run's part."""
+    """A variable with a first dimension of runs: its schema, and the shape and type of one run's part."""
 
     schema: Variable
     shape: tuple[int, ...]
@@ -33,19 +33,19 @@ class Column(NamedTuple):
 
 
 class Layout:
-    """What the result of some runs of a study consists of.
+    """The variables of a result of some runs of a study, known before anything is computed.
 
     Attributes:
         study: The whole study.
-        runs: Numbers of the runs that this result is of, in increasing order.
-        outputs: When they are recorded.
-        cells: Of the largest grid.
+        runs: Numbers of the runs in this result, in increasing order.
+        outputs: The output times that they share.
+        cells: Number of cells of the largest grid.
         one_grid: Whether all runs have the same cells and bed.
-        columns: What there is of each run.
+        columns: The variables with a first dimension of runs, by name.
     """
 
     def __init__(self, study: Study, runs: Sequence[int] | None = None) -> None:
-        """Plan for the runs given, all of the study by default.
+        """Lay out a result of the runs given, by default of the whole study.
 
         Raises:
             CaseError: The runs do not share their output times.
@@ -80,7 +80,7 @@ class Layout:
         return {name: COORDINATES[name]._replace(dims=dims) for name in ("x", "bed")}
 
     def rows(self, cases: Sequence[Case], finished: Finished) -> dict[str, Array]:
-        """What is stored of runs that have ended, every array with a first dimension of runs."""
+        """The columns of runs that have ended, every array with a first dimension of runs."""
         rows = {
             name: _wide(profile, self.cells, [case.grid.cells for case in cases])
             for name, profile in zip(FIELDS, finished.profiles, strict=True)
@@ -101,7 +101,7 @@ class Layout:
         return rows
 
     def shared(self) -> dict[str, tuple[Variable, Array]]:
-        """What is the same for all runs: the times, and x and bed if there is one grid."""
+        """The variables without a dimension of runs: the times, and x and bed if there is one grid."""
         times = self.outputs.times
         shared = {
             "time": (COORDINATES["time"], times[self.outputs.snapshot_at >= 0]),
@@ -112,11 +112,11 @@ class Layout:
         return shared
 
     def parameters(self) -> dict[str, list[Any]]:
-        """Values by run of the keys in which the runs differ."""
+        """The keys in which the runs differ, each with its value in every run."""
         return {key: [values[r] for r in self.runs] for key in self.study.keys if (values := self.study.values(key))}
 
     def sizes(self) -> dict[str, Array]:
-        """The dimensions that are counted, not measured: the number of each run, sample and cell."""
+        """The coordinates that number the runs, samples and cells."""
         return {"run": self.runs, "sample": np.arange(self.outputs.samples), "cell": np.arange(self.cells)}
 
     def attributes(self, **more: Any) -> dict[str, Any]:
@@ -138,7 +138,7 @@ class Layout:
 
 
 def status_attributes() -> dict[str, Any]:
-    """Meaning of the status codes, as CF has it."""
+    """Meaning of the status codes, as the CF conventions have it."""
     return {
         "flag_values": np.array([int(s) for s in Status], dtype=np.int8),
         "flag_meanings": " ".join(s.word for s in Status),
