@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from warpgran.case.study import Study
     from warpgran.case.tables import TableError
     from warpgran.errors import OptionError, ResultError, WarpgranError
-    from warpgran.figures.one_run import plot
+    from warpgran.figures.plot import plot
     from warpgran.files import StorageError
     from warpgran.results.reading import open_dataset
     from warpgran.run.cluster import ClusterError
@@ -47,7 +47,7 @@ _HOME = {
     "derive": "analysis.fields",
     "forces": "analysis.forces",
     "open_dataset": "results.reading",
-    "plot": "figures.one_run",
+    "plot": "figures.plot",
     "read_study": "case.read_study",
     "simulate": "run.simulate",
     "summary": "analysis.summary",

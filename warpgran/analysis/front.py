@@ -1,10 +1,18 @@
-"""Where the front of a thickness profile is."""
+"""The front of a thickness profile, and the mass behind it."""
 
 from __future__ import annotations
 
 import numpy as np
+import xarray as xr
 
+from warpgran.analysis.fields import parameter
 from warpgran.arrays import Array
+
+
+def thick(data: xr.Dataset) -> xr.DataArray:
+    """Where the material is thicker than h_front: what counts as the mass, and what velocity and phi are shown of."""
+    found: xr.DataArray = data["h"] > parameter(data, "scheme.h_front")
+    return found
 
 
 def front(x: Array, h: Array, level: float) -> float:

@@ -15,16 +15,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from warpgran.analysis.fields import number, parameter
+from warpgran.analysis.front import thick
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
-from warpgran.figures.style import (
-    STYLE,
-    checked,
-    computed_snapshots,
-    one_run,
-    run_heading,
-    wet_range,
-)
+from warpgran.figures.heading import run_heading
+from warpgran.figures.selection import computed_snapshots, one_run, wet_range
+from warpgran.figures.style import STYLE, checked
 from warpgran.files import replacing
 
 ANIMATION_SUFFIXES = (".gif", ".mp4")
@@ -44,7 +40,8 @@ def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, 
         The path of the animation.
 
     Raises:
-        ResultError: another suffix, .mp4 without ffmpeg, no such run, or fewer than two snapshots.
+        OptionError: another suffix.
+        ResultError: .mp4 without ffmpeg, no such run, or fewer than two snapshots.
     """
     path = checked(path, ANIMATION_SUFFIXES)
     writer = _movie_writer(path.suffix.lower(), fps)
@@ -71,7 +68,7 @@ class Scene:
         self.theta = np.deg2rad(number(one, "slope.angle"))
         self.one = one.isel(cell=wet_range(one))
         self.edges, self.bed = _edges(self.one["x"].values), _at_edges(self.one["bed"].values)
-        self.thick = self.one["h"].values > number(one, "scheme.h_front")
+        self.thick = thick(self.one).values
         self.figure, self.ax = self._canvas(dpi)
         self._draw_ground(one)
         self._draw_walls(one)

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from warpgran.analysis.fields import derive, number
-from warpgran.analysis.front import front
+from warpgran.analysis.front import front, thick
 from warpgran.arrays import Array
 from warpgran.paper.results import NotComputedError
 
@@ -22,8 +22,7 @@ GRAIN_TENTH = 7e-5  # m, a tenth of a grain
 
 def mass(shot: xr.Dataset, thicker: float | None = None) -> Array:
     """Cells thicker than h_front, or than so much [m]."""
-    limit = number(shot, "scheme.h_front") if thicker is None else thicker
-    return np.asarray(shot["h"].values > limit)
+    return np.asarray(thick(shot) if thicker is None else shot["h"] > thicker)
 
 
 def front_of(shot: xr.Dataset, level: float = 1e-3) -> float:
