@@ -26,10 +26,6 @@ import warpgran as wg
 
 ROOT = Path(__file__).parents[1]
 COMPUTED = (("warp", "float64"), ("warp", "float32"), ("numpy", "float64"))
-FIELDS = ("h", "v", "phi")
-SERIES = ("front", "front_speed", "h_max", "v_max", "v_flow", "volume_change", "mass", "energy")
-PER_RUN = ("stop_time", "end_time")
-COUNTS = ("status", "steps")
 
 read_study: Any = getattr(wg, "read_study", None) or import_module("warpgran.sweep").read_study
 simulate: Any = wg.simulate
@@ -69,8 +65,9 @@ def compute(path: Path, engine: str, precision: str) -> Line:
     few = engine == "numpy" and len(study) > 2
     cases = [study[0], study[len(study) - 1]] if few else study
     data = simulate(cases, engine=engine, precision=precision, threads=1)
-    digests = {name: digest(data[name], "<f8") for name in (*FIELDS, *SERIES, *PER_RUN) if name in data}
-    digests |= {name: digest(data[name], "<i8") for name in COUNTS if name in data}
+    computed = {str(name): v for name, v in data.data_vars.items() if v.dims[:1] == ("run",) and name != "bed"}
+    types = {"f": "<f8", "i": "<i8"}
+    digests = {name: digest(v, types[v.dtype.kind]) for name, v in computed.items() if v.dtype.kind in types}
     runs = f"{len(cases)} of {len(study)} runs" + (" (first and last)" if few else "")
     return Line(runs, int(data["steps"].sum()), digests)
 

@@ -28,7 +28,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "run": {"case", "solve", "results", "schema", "files", "errors", "arrays"},
     "studies": {"run", "figures", "analysis", "results", "case", *LEAVES},
     "verification": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},
-    "paper": {"run", "figures", "analysis", "results", "solve", "case", *LEAVES},
+    "paper": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},
 }
 """What each room may import beside itself. The command line may import anything, and nothing imports it."""
 

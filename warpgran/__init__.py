@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from warpgran.errors import OptionError as OptionError
     from warpgran.errors import ResultError as ResultError
     from warpgran.errors import WarpgranError as WarpgranError
-    from warpgran.figures.one_run import plot as plot
+    from warpgran.figures.plot import plot as plot
     from warpgran.files import StorageError as StorageError
     from warpgran.results.reading import open_dataset as open_dataset
     from warpgran.run.cluster import ClusterError as ClusterError
@@ -49,7 +49,7 @@ _HOME = {
     "derive": "analysis.fields",
     "forces": "analysis.forces",
     "open_dataset": "results.reading",
-    "plot": "figures.one_run",
+    "plot": "figures.plot",
     "read_study": "case.read_study",
     "simulate": "run.simulate",
     "summary": "analysis.summary",

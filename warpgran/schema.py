@@ -21,13 +21,17 @@ class Status(IntEnum):
 
     @property
     def clean(self) -> bool:
-        """Whether the run did all that it was asked for."""
+        """Whether the run did all that was asked of it."""
         return self in (Status.OK, Status.AT_REST)
 
     @property
     def word(self) -> str:
         """The name in the file and in messages."""
         return self.name.lower()
+
+
+CLEAN = tuple(status.word for status in Status if status.clean)
+"""Words of the runs that did all that was asked of them."""
 
 
 class Variable(NamedTuple):

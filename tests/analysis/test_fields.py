@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import tomllib
+from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import xarray as xr
+from helpers.cases import small
 
+import warpgran as wg
 from warpgran.analysis.fields import derive, parameter
+from warpgran.case.study import Study
+from warpgran.errors import ResultError
+from warpgran.run.options import Options
+from warpgran.run.to_file import run_to_file
 
 CASE = """
 [rheology]
@@ -25,6 +34,9 @@ mu_wall = 0.18
 channel_width = 0.2
 [slope]
 angle = 60.0
+gravity = 9.81
+[scheme]
+h_min = 7e-4
 """
 # h_e = 0.1, v = 2: gamma = 50; g_c = 9.81/2 = 4.905; phi g_c h_e = 0.62 * 0.4905 = 0.30411;
 # I = 50 * 7e-4 / sqrt(0.30411) = 0.063467690; phi_eq = 0.582^2 / (0.582 + 0.2 I) = 0.569577401
@@ -67,7 +79,7 @@ def test_friction_is_cut_at_zero_before_the_walls() -> None:
 def test_thinner_than_one_grain_is_as_one_grain() -> None:
     assert value(result(h=1e-5), "gamma") == pytest.approx(2.5 * 2.0 / 7e-4)
     data = result(h=1e-5)
-    data.attrs["case_toml"] += "[scheme]\nh_min = 1e-3\n"
+    data.attrs["case_toml"] = CASE.replace("h_min = 7e-4", "h_min = 1e-3")
     assert value(data, "gamma") == pytest.approx(2.5 * 2.0 / 1e-3)
 
 
@@ -100,6 +112,57 @@ def test_slope_of_each_run() -> None:
     np.testing.assert_allclose(derive(data, "I")["I"].values[:, 0, 0], [INERTIAL, INERTIAL / np.sqrt(2)], rtol=1e-6)
 
 
+def joined(*results: xr.Dataset) -> xr.Dataset:
+    return xr.concat(results, "run", data_vars="all", coords="different", compat="equals", join="outer")
+
+
+def assert_as_alone(together: xr.Dataset, *alone: xr.Dataset) -> None:
+    """The derived fields and forces of joined results are those of each of its results."""
+    for compute in (derive, wg.forces):
+        fields = compute(together)
+        for name in fields:
+            each = np.concatenate([compute(result)[name].values for result in alone])
+            np.testing.assert_allclose(fields[name], each, rtol=1e-14, err_msg=str(name))
+
+
+def test_runs_of_joined_results_keep_their_own_parameters(tmp_path: Path) -> None:
+    a, b = small(**{"rheology.K": 1.0, "slope.angle": 0.0}), small(**{"rheology.phi_eq": "f0"})
+    one, other = wg.simulate(a), wg.simulate(b)
+    assert_as_alone(joined(one, other), one, other)
+    run_to_file(Study.of([a]), tmp_path / "a.h5", Options())
+    together = joined(wg.open_dataset(tmp_path / "a.h5"), other)
+    assert_as_alone(together, one, other)
+    assert parameter(together, "rheology.K").values.tolist() == [1.0, 4.09]
+    assert parameter(together.isel(run=0), "rheology.K").item() == 1.0
+    assert parameter(together, "rheology.mu1").dims == ()
+
+
+def test_a_sweep_may_be_joined_with_a_run_that_lacks_its_keys() -> None:
+    sweep = wg.simulate(small().sweep({"rheology.K": [1.0, 2.0], "rheology.phi_eq": ["f0", "f1"]}, mode="zip"))
+    alone = wg.simulate(small(**{"rheology.K": 3.0}))
+    together = joined(
+        sweep.reset_coords(["rheology.K", "rheology.phi_eq"]), alone
+    )  # concat fills what is no coordinate
+    assert together["rheology.K"].values.tolist()[:2] == [1.0, 2.0] and np.isnan(together["rheology.K"][2])
+    assert parameter(together, "rheology.K").values.tolist() == [1.0, 2.0, 3.0]
+    assert parameter(together, "rheology.phi_eq").values.tolist() == ["f0", "f1", "f2"]
+    assert_as_alone(together, sweep, alone)
+
+
+def test_the_text_is_parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = result(runs=3).assign_attrs(case_toml=CASE + "# another text\n")
+    parsed = Mock(wraps=tomllib.loads)
+    monkeypatch.setattr("tomllib.loads", parsed)
+    derive(data)
+    assert parsed.call_count == 1
+
+
+def test_a_law_that_is_not_known_is_an_error() -> None:
+    data = result(runs=2).assign_coords({"rheology.phi_eq": ("run", ["f2", "f3"])})
+    with pytest.raises(ResultError, match="the law 'f3' is not known; known: f0, f1, f2"):
+        derive(data, "mu")
+
+
 def test_f0_does_not_fall_below_zero() -> None:
     data = result(h=7e-4, v=50.0).assign_coords({"rheology.phi_eq": ("run", ["f0"])})
     assert value(data, "phi_eq") == 0.0
@@ -122,16 +185,16 @@ def test_fields_say_what_they_are() -> None:
 def test_errors_name_what_is_wrong() -> None:
     with pytest.raises(ValueError, match="cannot derive tau: the known fields are gamma, I, phi_eq, psi, mu"):
         derive(result(), "I", "tau")
-    with pytest.raises(ValueError, match=r"does not say what rheology\.grain_diameter was"):
+    with pytest.raises(ValueError, match=r"does not say what scheme\.h_min was"):
         derive(result().drop_attrs(), "gamma")
 
 
 def test_parameter_of_the_run_file_and_its_default() -> None:
     assert parameter(result(), "rheology.mu1").item() == 0.48
-    assert parameter(result(), "scheme.h_front", 1e-3).item() == 1e-3
+    assert parameter(result(), "column.phi", 0.6).item() == 0.6
 
 
 def test_gravity_is_that_of_the_run_file() -> None:
     data = result()
-    data.attrs["case_toml"] = CASE.replace("angle = 60.0", "angle = 60.0\ngravity = 1.62")  # on the moon
+    data.attrs["case_toml"] = CASE.replace("9.81", "1.62")  # on the moon
     assert value(data, "I") == pytest.approx(INERTIAL * np.sqrt(9.81 / 1.62), rel=1e-6)

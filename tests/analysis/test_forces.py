@@ -25,6 +25,8 @@ channel_width = 0.2
 [slope]
 angle = 30.0
 gravity = 10.0
+[scheme]
+h_min = 1e-3
 [time]
 rest_speed = 1e-3
 """

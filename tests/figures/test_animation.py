@@ -10,7 +10,7 @@ from helpers.collapses import collapse, two_runs
 from PIL import Image
 
 from warpgran.figures import animation
-from warpgran.figures.style import one_run
+from warpgran.figures.selection import one_run
 
 
 def test_animation_has_a_frame_for_each_snapshot_that_the_run_reached(tmp_path: Path) -> None:

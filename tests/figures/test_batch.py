@@ -19,6 +19,7 @@ from warpgran.analysis.summary import summary
 from warpgran.case.sections import KEYS
 from warpgran.figures import batch as batch_figures
 from warpgran.figures.names import named
+from warpgran.figures.plot import plot
 from warpgran.figures.swept_keys import Key, runs_along, varied_keys
 
 ANGLES, PACKINGS = np.repeat([0.0, 10.0, 22.0], 2), np.tile([0.55, 0.62], 3)
@@ -26,7 +27,7 @@ ANGLES, PACKINGS = np.repeat([0.0, 10.0, 22.0], 2), np.tile([0.55, 0.62], 3)
 
 def page(data: xr.Dataset) -> Figure:
     """The page before it is written."""
-    return batch_figures._page(data, batch_figures._batch(data))
+    return batch_figures.draw_batch(data)
 
 
 def grid(**options: Any) -> xr.Dataset:
@@ -61,16 +62,9 @@ def crosses(ax: Axes) -> np.ndarray:
     return np.concatenate([np.asarray(line.get_xydata()) for line in ax.lines if line.get_marker() == "x"])
 
 
-@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
-def test_plot_batch_writes_only_the_picture(tmp_path: Path, suffix: str) -> None:
-    path = batch_figures.plot_batch(grid(diverged=(3,)), tmp_path / f"page{suffix}")
-    assert [path] == list(tmp_path.iterdir())
-    assert path.stat().st_size > 10_000
-
-
 @pytest.mark.parametrize("data", [grid(), sample(60, 4, diverged=(7,)), sample(2), sample(60, 6)])
 def test_page_is_180_mm_wide_fits_a_sheet_and_clips_nothing(tmp_path: Path, data: xr.Dataset) -> None:
-    with Image.open(batch_figures.plot_batch(data, tmp_path / "page.png")) as picture:
+    with Image.open(plot(data, tmp_path / "page.png")) as picture:
         assert picture.width == pytest.approx(180 / 25.4 * 200, abs=1)
         assert picture.height <= 247 / 25.4 * 200
         ink = np.argwhere(np.asarray(picture.convert("L")) < 250)
@@ -262,20 +256,8 @@ def test_cells_of_the_map_lie_around_their_values() -> None:
 
 
 def test_ten_thousand_runs_are_drawn_as_pixels(tmp_path: Path) -> None:
-    path = batch_figures.plot_batch(
-        sample(10_000, 2, samples=60, diverged=tuple(range(0, 10_000, 50))), tmp_path / "p.pdf"
-    )
+    path = plot(sample(10_000, 2, samples=60, diverged=tuple(range(0, 10_000, 50))), tmp_path / "p.pdf")
     assert path.stat().st_size < 2_000_000
-
-
-def test_plot_batch_refuses_what_it_cannot_draw(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"two runs or more; figures\.plot"):
-        batch_figures.plot_batch(collapse(), tmp_path / "page.png")
-    with pytest.raises(ValueError, match="nothing to draw"):
-        batch_figures.plot_batch(batch(samples=0, slope__angle=[0.0, 1.0]), tmp_path / "page.png")
-    with pytest.raises(ValueError, match=r"\.png, \.pdf, \.svg"):
-        batch_figures.plot_batch(grid(), tmp_path / "page.bmp")
-    assert not list(tmp_path.iterdir())
 
 
 def test_rank_correlation_by_hand() -> None:
@@ -314,3 +296,12 @@ def test_every_key_that_can_vary_has_a_name() -> None:
     assert named("slope.angle").label == r"slope angle $\theta$ (°)"
     assert named("scheme.viscosity").value("paper") == "viscosity = paper"
     assert named("new.key").value(3) == "new.key = 3"
+
+
+def test_joined_results_are_headed_by_what_they_share() -> None:
+    data = batch(slope__angle=[0.0, 22.0])
+    texts = [data.attrs["case_toml"], data.attrs["case_toml"].replace("K = 4.09", "K = 1.0").replace("Dense", "Other")]
+    figure = page(data.assign_coords(case_toml=("run", texts)))
+    title, facts = figure.get_suptitle().splitlines()
+    assert title == "Dense column, 22 degrees / Other column, 22 degrees"
+    assert r"$\varphi_0$ = $0.62$" in facts and "$K$" not in facts

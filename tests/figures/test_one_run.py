@@ -2,42 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
-import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
-from helpers.collapses import batch, collapse, two_runs
+from helpers.collapses import collapse, two_runs
 from matplotlib.figure import Figure
-from PIL import Image
 
-from warpgran.figures import batch as batch_figures
 from warpgran.figures import one_run as figures
-from warpgran.figures.style import one_run
+from warpgran.figures.selection import one_run
+from warpgran.schema import SERIES
 
 
 def page(data: xr.Dataset, run: int = 0) -> Figure:
     """The page before it is written."""
-    return figures._page(one_run(data, run))
+    return figures.draw_run(data, run)
 
 
 def heading(figure: Figure) -> str:
     return figure.get_suptitle()
-
-
-@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
-def test_plot_writes_only_the_picture(tmp_path: Path, suffix: str) -> None:
-    path = figures.plot(collapse(), tmp_path / f"page{suffix}")
-    assert [path] == list(tmp_path.iterdir())
-    assert path.stat().st_size > 10_000
-
-
-def test_plot_is_a_page_wide(tmp_path: Path) -> None:
-    with Image.open(figures.plot(collapse(), tmp_path / "page.png")) as picture:
-        assert picture.width == pytest.approx(180 / 25.4 * 200, abs=1)
 
 
 def test_page_names_quantities_symbols_and_units() -> None:
@@ -66,9 +48,9 @@ def test_profiles_are_in_the_units_of_their_labels_and_cut_where_thin() -> None:
     assert 0.6 < x[-1] < 0.65  # the grid goes on to 1.0
 
 
-def test_speed_prefers_what_leaves_out_the_thinnest_flow() -> None:
+def test_every_panel_of_the_series_is_one_of_the_schema_and_the_speed_leaves_out_the_thinnest_flow() -> None:
+    assert {panel.name for panel in figures.SERIES} <= SERIES.keys()
     data = collapse()
-    data["v_flow"] = 0.5 * data["v_max"]
     np.testing.assert_array_equal(np.asarray(page(data).axes[5].lines[0].get_ydata()), data["v_flow"].values[0])
 
 
@@ -102,10 +84,10 @@ def test_page_leaves_out_what_was_not_stored(snapshots: int, samples: int, label
     assert figure.axes[0].get_ylabel().startswith(label)
 
 
-def test_one_snapshot_and_one_sample_at_rest_are_drawn(tmp_path: Path) -> None:
-    data = collapse(snapshots=1, samples=1)
-    figures.plot(data, tmp_path / "page.png")
-    assert page(data).axes[5].get_yscale() == "linear"
+def test_one_snapshot_and_one_sample_at_rest_are_drawn() -> None:
+    figure = page(collapse(snapshots=1, samples=1))
+    figure.canvas.draw()
+    assert figure.axes[5].get_yscale() == "linear"
 
 
 def test_grids_that_differ_are_drawn_without_their_padding() -> None:
@@ -117,45 +99,7 @@ def test_grids_that_differ_are_drawn_without_their_padding() -> None:
     assert len(page(data, 1).axes) == 8
 
 
-def test_plot_refuses_what_it_cannot_draw(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="nothing to draw"):
-        figures.plot(collapse(snapshots=0, samples=0), tmp_path / "page.png")
-    with pytest.raises(ValueError, match="no run 1: the result holds 1"):
-        figures.plot(collapse(), tmp_path / "page.png", run=1)
-    with pytest.raises(ValueError, match=r"\.png, \.pdf, \.svg"):
-        figures.plot(collapse(), tmp_path / "page.bmp")
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("plot", "data"),
-    [(figures.plot, collapse()), (batch_figures.plot_batch, batch(slope__angle=[0.0, 22.0]))],
-    ids=["run", "batch"],
-)
-def test_failure_leaves_the_old_file_and_nothing_else(
-    plot: Callable[[xr.Dataset, Path], Path], data: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "page.png"
-    path.write_text("old")
-
-    def half(figure: Figure, part: Path, **options: Any) -> None:
-        part.write_text("half")
-        raise OSError("disk full")
-
-    monkeypatch.setattr(Figure, "savefig", half)
-    with pytest.raises(OSError, match="disk full"):
-        plot(data, path)
-    assert path.read_text() == "old"
-    assert [path] == list(tmp_path.iterdir())
-
-
-def test_drawing_leaves_matplotlib_as_it_was(tmp_path: Path) -> None:
-    before = dict(matplotlib.rcParams)
-    figures.plot(collapse(), tmp_path / "page.png")
-    assert dict(matplotlib.rcParams) == before
-
-
-def test_long_headings_are_broken_between_facts_and_fit_the_page(tmp_path: Path) -> None:
+def test_long_headings_are_broken_between_facts_and_fit_the_page() -> None:
     data = two_runs().assign_coords({f"rheology.key{n}": ("run", [0.1, 0.2]) for n in range(9)})
     data.attrs["case_toml"] = data.attrs["case_toml"].replace("Dense column", "Dense column " * 9)
     figure = page(data, 1)
@@ -164,6 +108,12 @@ def test_long_headings_are_broken_between_facts_and_fit_the_page(tmp_path: Path)
     assert title.x0 >= 0
     assert title.x1 <= figure.bbox.x1
     assert all(line.endswith(("°", ",", "diverged")) or "=" not in line for line in heading(figure).splitlines())
+
+
+def test_a_run_from_a_profile_has_no_packing_in_its_heading() -> None:
+    data = collapse()
+    data.attrs["case_toml"] = data.attrs["case_toml"].replace("phi = 0.62\n", "")
+    assert heading(page(data)).splitlines()[1] == r"$\theta$ = $22$°, $K$ = $4.09$"
 
 
 def test_a_run_that_came_to_rest_did_not_end_early() -> None:

@@ -23,6 +23,7 @@ mu_wall = 0.0
 channel_width = 0.2
 [slope]
 angle = 22.0
+gravity = 9.81
 [column]
 height = 0.14
 length = 0.2
@@ -62,7 +63,8 @@ def collapse(cells: int = 240, snapshots: int = 4, samples: int = 100, runs: int
         "front": -0.2 + length(series_time),
         "front_speed": speed(series_time),
         "h_max": 0.042 / length(series_time),
-        "v_max": speed(series_time),
+        "v_max": 2.0 * speed(series_time),
+        "v_flow": speed(series_time),
         "volume_change": 0.05 * (1 - np.exp(-series_time / 0.2)),
         "mass": np.full(samples, 0.017),
         "energy": 1e-3 * np.exp(-series_time),
@@ -89,7 +91,7 @@ def two_runs() -> xr.Dataset:
     data["bed"] = "cell", 0.05 * np.exp(-(((data["x"].values - 0.3) / 0.1) ** 2))
     for name in ("h", "v", "phi"):
         data[name][1, 8:] = np.nan
-    for name in ("front", "front_speed", "h_max", "v_max", "volume_change"):
+    for name in ("front", "front_speed", "h_max", "v_max", "v_flow", "volume_change"):
         data[name][1, 66:] = np.nan
     data["status"] = "run", np.array([0, 1]), {"flag_values": np.array([0, 1]), "flag_meanings": "ok diverged"}
     data["stop_time"][1] = np.nan

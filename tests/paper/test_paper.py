@@ -22,7 +22,7 @@ from warpgran.paper import claims_coefficients, claims_dilatancy, claims_motion,
 from warpgran.paper.catalogue import CLAIMS, PICTURES, chosen
 from warpgran.paper.claim import Claim
 from warpgran.paper.laboratory import read_laboratory
-from warpgran.paper.measures import front_of, rise, slow_regime
+from warpgran.paper.measures import rise, slow_regime
 from warpgran.paper.remarks import REMARKS
 from warpgran.paper.reproduce import shipped_runs
 from warpgran.paper.results import Computed, NotComputedError, one_of
@@ -156,11 +156,6 @@ def test_oscillations_of_the_thickness_are_told_from_a_smooth_front() -> None:
     assert verdict(claims_scheme.f0_oscillates, make) is True
     assert verdict(claims_scheme.f2_does_not_oscillate, make) is True
     assert verdict(claims_scheme.f1_oscillates_a_little, make) is False
-
-
-def test_the_front_is_interpolated_at_any_level() -> None:
-    shot = profile(wedge()).isel(time=0)
-    assert [front_of(shot, level) for level in (1e-3, 5e-3)] == pytest.approx([0.295, 0.275], abs=1e-9)
 
 
 @pytest.mark.parametrize(("phi_front", "holds"), [(0.50, True), (0.58, False)])

@@ -16,7 +16,6 @@ import warpgran as wg
 from warpgran.case.case import Case
 from warpgran.case.study import Study
 from warpgran.files import StorageError, replacing
-from warpgran.results.layout import stop_time
 from warpgran.run.options import Options
 from warpgran.run.to_file import run_to_file
 from warpgran.schema import Status
@@ -121,21 +120,6 @@ def test_no_snapshots_or_no_series(tmp_path: Path, changes: dict[str, Any]) -> N
     assert data["end_time"][0] == 0.2
     assert_same(data, wg.simulate(case))
     assert 0 in data.sizes.values()
-
-
-@pytest.mark.parametrize(
-    ("v_flow", "expected"),
-    [
-        ([0.0, 1.0, 0.5, 1e-4, 1e-5], 3.0),
-        ([0.0, 1.0, 1e-4, 0.5, 1e-5], 4.0),  # it moved again
-        ([0.0, 1.0, 0.5, 0.5, 0.5], np.nan),
-        ([0.0, 0.0, 0.0, 0.0, 0.0], np.nan),  # it never moved
-        ([0.0, 1.0, 1e-4, np.nan, np.nan], np.nan),  # it diverged
-    ],
-)
-def test_stop_time(v_flow: list[float], expected: float) -> None:
-    found = stop_time(np.arange(5.0), np.array(v_flow), 1e-3)
-    np.testing.assert_equal(found, expected)
 
 
 def test_a_failure_leaves_the_old_file_and_no_other(tmp_path: Path) -> None:

@@ -5,12 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpgran.verification.convergence import COLLAPSES, convergence, height_falls_through, refine
-
-
-def test_the_front_at_a_height_is_linear_between_centres() -> None:
-    x = np.array([0.5, 1.5, 2.5, 3.5])
-    assert height_falls_through(0.25, x, np.array([1.0, 0.5, 0.0, 0.0])) == 2.0
+from warpgran.verification.convergence import COLLAPSES, convergence, refine
 
 
 def test_the_bulk_of_a_collapse_converges() -> None:

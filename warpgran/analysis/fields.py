@@ -1,30 +1,28 @@
 """Fields that follow from h, v and phi: step 2 of the scheme, for any result, over all its runs at once.
 
-gamma = 5|v|/(2 h_e)                         (2.15)         h_e = max(h, h_min)
-I = gamma d / sqrt(phi g_c h_e)              (2.10), (2.11) g_c = g cos(theta)
-phi_eq = f0 | f1 | f2 of I                   (2.9)
-tan psi = K (phi - phi_eq)                   (2.8)
-mu = max(0, mu(I) + tan psi) + mu_w h/width  (2.13), (2.14), (4.1)
-
-SI units, psi in degrees. Each run has its own parameters: those of the run file, replaced by what the sweep varied.
+The laws are those of physics.laws; here every run gets its own parameters. SI units, psi in degrees.
 """
 
 from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from warpgran.errors import OptionError, ResultError
-
-GRAVITY = 9.81  # m s-2, where the result does not say what it was
+from warpgran.physics import laws
 
 
 def parameter(data: xr.Dataset, key: str, default: Any = None) -> xr.DataArray:
     """What a parameter was in each run.
+
+    A run's value is the coordinate of that name, which swept keys have; where there is none, or it is missing (after
+    joining results of different sweeps), what the run's own text says, coordinate case_toml; where there is no such
+    coordinate, what the attribute case_toml says.
 
     Args:
         data: a result, with all its runs or (after `data.isel(run=0)`) one.
@@ -32,28 +30,58 @@ def parameter(data: xr.Dataset, key: str, default: Any = None) -> xr.DataArray:
         default: the value where the result does not have the key; None for an error.
 
     Returns:
-        The values over `run` for a varied key, else one value without dimensions.
+        The values over `run` where they vary, else one value without dimensions.
 
     Raises:
-        ResultError: the result has no such parameter, and no default is given.
+        ResultError: a run has no such parameter, and no default is given.
     """
-    if key in data.variables:
-        return data[key]
-    value: Any = tomllib.loads(data.attrs.get("case_toml", ""))
+    swept = data[key] if key in data.variables else None
+    if swept is not None and swept.notnull().all():
+        return swept
+    values = _from_texts(data, key)
+    values = values if default is None else values.fillna(default)
+    values = values if swept is None else swept.fillna(values)
+    if default is None and values.isnull().any():
+        raise ResultError(
+            f"the result does not say what {key} was: neither its case_toml nor a coordinate of that name"
+        )
+    return values.copy(data=np.array(values.values.tolist()))
+
+
+def number(one: xr.Dataset, key: str) -> float:
+    """A parameter that is a number, of one run."""
+    return float(parameter(one, key).item())
+
+
+def _from_texts(data: xr.Dataset, key: str) -> xr.DataArray:
+    """What the texts of the runs say of a key, None where nothing; over `run` only if they differ."""
+    texts = data.coords.get("case_toml", xr.DataArray(data.attrs.get("case_toml", "")))
+    found = {text: _value(text, key) for text in dict.fromkeys(texts.values.ravel().tolist())}
+    first, *others = found.values()
+    if all(value == first for value in others):
+        return xr.DataArray(np.array(first, dtype=object))
+    return xr.DataArray([found[text] for text in texts.values.tolist()], dims=texts.dims).astype(object)
+
+
+def _value(text: str, key: str) -> Any:
+    value: Any = _parsed(text)
     for name in key.split("."):
         value = value.get(name) if isinstance(value, dict) else None
-    value = default if value is None else value
-    if value is None:
-        raise ResultError(f"the result does not say what {key} was: neither its attribute case_toml nor a coordinate")
-    return xr.DataArray(value)
+    return value
+
+
+@lru_cache(maxsize=1000)
+def _parsed(text: str) -> dict[str, Any]:
+    """A run file; parsed once, for every field and run asks for its keys."""
+    return tomllib.loads(text)
 
 
 def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
     """Fields that follow from h, v and phi.
 
     Args:
-        data: a result with h [m], v [m/s] and phi [-] over (run, time, cell), and the attribute case_toml; what
-            selections leave of one (a run, an instant, some cells) will do.
+        data: a result with h [m], v [m/s] and phi [-] over (run, time, cell), and case_toml; what selections
+            leave of one (a run, an instant, some cells) will do, and several joined along run.
         names: any of gamma [1/s], I [-], phi_eq [-], psi [degrees] and mu [-]; all of them if none is given.
 
     Returns:
@@ -75,52 +103,39 @@ def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
 
 def normal_gravity(data: xr.Dataset) -> xr.DataArray:
     """Gravity normal to the plane g_c = g cos(theta) [m s-2], of each run."""
-    g: xr.DataArray = parameter(data, "slope.gravity", GRAVITY) * np.cos(np.deg2rad(parameter(data, "slope.angle")))
+    g: xr.DataArray = parameter(data, "slope.gravity") * np.cos(np.deg2rad(parameter(data, "slope.angle")))
     return g
 
 
 def _effective_thickness(data: xr.Dataset) -> xr.DataArray:
     """h_e = max(h, h_min) [m]: the shear rate has no meaning below one grain."""
-    h_min = parameter(data, "scheme.h_min", parameter(data, "rheology.grain_diameter"))
-    return data["h"].clip(min=h_min)
+    return data["h"].clip(min=parameter(data, "scheme.h_min"))
 
 
 def _shear_rate(data: xr.Dataset) -> xr.DataArray:
     """Shear rate gamma [1/s] (2.15)."""
-    return 2.5 * abs(data["v"]) / _effective_thickness(data)
+    gamma: xr.DataArray = laws.shear_rate(data["v"], _effective_thickness(data))
+    return gamma
 
 
 def _inertial_number(data: xr.Dataset) -> xr.DataArray:
-    """Inertial number I [-] (2.10) under the pressure (2.11) at the base; NaN where phi is not positive."""
-    pressure = data["phi"].where(data["phi"] > 0) * normal_gravity(data) * _effective_thickness(data)  # over rho_s
-    return _shear_rate(data) * parameter(data, "rheology.grain_diameter") / np.sqrt(pressure)
-
-
-def _phi_eq_f0(inertial: xr.DataArray, K_tilde: xr.DataArray, phi_stat: xr.DataArray, N: xr.DataArray) -> xr.DataArray:
-    """Equilibrium volume fraction [-] (2.9, f0): linear, cut at 0."""
-    return (phi_stat - K_tilde * inertial).clip(min=0.0)
-
-
-def _phi_eq_f1(inertial: xr.DataArray, K_tilde: xr.DataArray, phi_stat: xr.DataArray, N: xr.DataArray) -> xr.DataArray:
-    """Equilibrium volume fraction [-] (2.9, f1): exponential."""
-    return phi_stat * np.exp(-K_tilde * inertial / phi_stat)
-
-
-def _phi_eq_f2(inertial: xr.DataArray, K_tilde: xr.DataArray, phi_stat: xr.DataArray, N: xr.DataArray) -> xr.DataArray:
-    """Equilibrium volume fraction [-] (2.9, f2): rational, f1 in the limit of large N."""
-    return phi_stat / (1.0 + K_tilde * inertial / (N * phi_stat)) ** N
+    """Inertial number I [-] (2.10), (2.11); NaN where phi is not positive."""
+    phi, d = data["phi"].where(data["phi"] > 0), parameter(data, "rheology.grain_diameter")
+    I: xr.DataArray = laws.inertial_number(_shear_rate(data), phi, _effective_thickness(data), d, normal_gravity(data))
+    return I
 
 
 def _equilibrium_volume_fraction(data: xr.Dataset) -> xr.DataArray:
-    """Equilibrium volume fraction phi_eq [-] (2.9), by the law that each run was given."""
+    """Equilibrium volume fraction phi_eq [-] (2.9), by the law of each run."""
     law = parameter(data, "rheology.phi_eq")
     keys = ("rheology.K_tilde", "rheology.phi_stat", "rheology.phi_eq_N")
     K_tilde, phi_stat, N = (parameter(data, key) for key in keys)
-    inertial = _inertial_number(data)
-    phi_eq = xr.full_like(inertial, np.nan)
-    for name, f in PHI_EQ_LAWS.items():
-        if (law == name).any():
-            phi_eq = f(inertial, K_tilde, phi_stat, N).where(law == name, phi_eq)
+    I = _inertial_number(data)
+    phi_eq = xr.full_like(I, np.nan)
+    for name in np.unique(law).tolist():
+        if name not in laws.PHI_EQ:
+            raise ResultError(f"rheology.phi_eq: the law {name!r} is not known; known: {', '.join(laws.PHI_EQ)}")
+        phi_eq = laws.PHI_EQ[name](I, K_tilde, phi_stat, N).where(law == name, phi_eq)
     return phi_eq
 
 
@@ -138,12 +153,10 @@ def _dilatancy_angle(data: xr.Dataset) -> xr.DataArray:
 def _effective_friction(data: xr.Dataset) -> xr.DataArray:
     """Effective friction mu [-] (2.13), (2.14) with the side walls (4.1)."""
     mu1, mu2, I0 = (parameter(data, f"rheology.{name}") for name in ("mu1", "mu2", "I0"))
-    inertial = _inertial_number(data)
     wall = parameter(data, "rheology.mu_wall") * data["h"] / parameter(data, "rheology.channel_width")
-    return (mu1 + (mu2 - mu1) * inertial / (inertial + I0) + _tan_psi(data)).clip(min=0.0) + wall
+    mu: xr.DataArray = laws.effective_friction(laws.mu_of_I(_inertial_number(data), mu1, mu2, I0), _tan_psi(data), wall)
+    return mu
 
-
-PHI_EQ_LAWS: dict[str, Callable[..., xr.DataArray]] = {"f0": _phi_eq_f0, "f1": _phi_eq_f1, "f2": _phi_eq_f2}
 
 FIELDS: dict[str, tuple[Callable[[xr.Dataset], xr.DataArray], str, str]] = {
     "gamma": (_shear_rate, "s-1", "shear rate (2.15)"),

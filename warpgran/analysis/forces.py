@@ -18,8 +18,6 @@ import xarray as xr
 from warpgran.analysis.fields import derive, normal_gravity, parameter
 from warpgran.errors import ResultError
 
-REST_SPEED = 1e-3  # m s-1, where the result does not say what counts as rest
-
 LONG_NAMES = {
     "f_acc": "acceleration force d_t(phi h v)",
     "f_inert": "inertial force d_x(phi h v^2)",
@@ -40,8 +38,8 @@ def forces(data: xr.Dataset) -> xr.Dataset:
     what holds the mass against gravity and pressure, up to mu g_c phi h.
 
     Args:
-        data: a result with x, bed, h [m], v [m/s] and phi [-] over (run, time, cell), at least two snapshots and the
-            attribute case_toml; one run of it will do.
+        data: a result with x, bed, h [m], v [m/s] and phi [-] over (run, time, cell), at least two snapshots and
+            case_toml; one run of it will do, and several joined along run.
 
     Returns:
         f_acc, f_inert, f_press, f_grav and f_fric [m2 s-2], per unit area and grain density, with the dimensions of h;
@@ -63,7 +61,7 @@ def forces(data: xr.Dataset) -> xr.Dataset:
     }
     strength = derive(data, "mu")["mu"] * g_c * solid
     held = (-(fields["f_press"] + fields["f_grav"])).clip(-strength, strength)
-    moving = abs(v) > parameter(data, "time.rest_speed", REST_SPEED)
+    moving = abs(v) > parameter(data, "time.rest_speed")
     fields["f_fric"] = (-strength * np.sign(v)).where(moving, held)
     for name, field in fields.items():
         fields[name] = field.transpose(*h.dims).where(fields["f_inert"].notnull())

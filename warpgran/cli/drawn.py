@@ -41,13 +41,9 @@ def animate(
 
 def draw(data: xr.Dataset, path: Path, run: int | None) -> Path:
     """Draw one run, or without a number the batch; the picture's path."""
-    if run is None and data.sizes["run"] > 1:
-        from warpgran.figures.batch import plot_batch
+    from warpgran.figures.plot import plot
 
-        return plot_batch(data, path)
-    from warpgran.figures.one_run import plot
-
-    return plot(data, path, run=run or 0)
+    return plot(data, path, run)
 
 
 def worth_drawing(data: xr.Dataset) -> bool:

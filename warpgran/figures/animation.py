@@ -14,18 +14,13 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from warpgran.analysis.fields import parameter
+from warpgran.analysis.fields import number, parameter
+from warpgran.analysis.front import thick
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
-from warpgran.figures.style import (
-    STYLE,
-    checked,
-    computed_snapshots,
-    number,
-    one_run,
-    run_heading,
-    wet_range,
-)
+from warpgran.figures.heading import run_heading
+from warpgran.figures.selection import computed_snapshots, one_run, wet_range
+from warpgran.figures.style import STYLE, checked
 from warpgran.files import replacing
 
 ANIMATION_SUFFIXES = (".gif", ".mp4")
@@ -45,7 +40,8 @@ def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, 
         The path of the animation.
 
     Raises:
-        ResultError: another suffix, .mp4 without ffmpeg, no such run, or fewer than two snapshots.
+        OptionError: another suffix.
+        ResultError: .mp4 without ffmpeg, no such run, or fewer than two snapshots.
     """
     path = checked(path, ANIMATION_SUFFIXES)
     writer = _movie_writer(path.suffix.lower(), fps)
@@ -72,7 +68,7 @@ class Scene:
         self.theta = np.deg2rad(number(one, "slope.angle"))
         self.one = one.isel(cell=wet_range(one))
         self.edges, self.bed = _edges(self.one["x"].values), _at_edges(self.one["bed"].values)
-        self.thick = self.one["h"].values > number(one, "scheme.h_front", 1e-3)
+        self.thick = thick(self.one).values
         self.figure, self.ax = self._canvas(dpi)
         self._draw_ground(one)
         self._draw_walls(one)
@@ -132,7 +128,7 @@ class Scene:
         edges, bed = _edges(one["x"].values), one["bed"].values
         height = float(np.nanmax(one["h"].values))
         for key, end in (("scheme.left", 0), ("scheme.right", -1)):
-            if parameter(one, key, "open").item() == "wall":
+            if parameter(one, key).item() == "wall":
                 foot = self._tilted(np.full(2, edges[end]), bed[end] + np.array([0.0, height]))
                 self.ax.add_line(Line2D(*foot.T, color="0.2", linewidth=2.5, zorder=3))
 

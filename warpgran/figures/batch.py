@@ -9,39 +9,22 @@ from __future__ import annotations
 
 import textwrap
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from warpgran.analysis.fields import parameter
 from warpgran.analysis.summary import summary
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
-from warpgran.figures.names import named
-from warpgran.figures.style import (
-    CLEAN,
-    FRONT_LABEL,
-    PLOT_SUFFIXES,
-    STYLE,
-    TIME_LABEL,
-    WIDTH,
-    Panel,
-    checked,
-    heading,
-    hold_open,
-    legend,
-    letter,
-    small_print,
-)
+from warpgran.figures.heading import heading, main_facts
+from warpgran.figures.style import FRONT_LABEL, TIME_LABEL, WIDTH, Panel, hold_open, legend, letter, small_print
 from warpgran.figures.swept_keys import Key, runs_along, varied_keys
-from warpgran.files import replacing
+from warpgran.schema import CLEAN
 
 GAP = 0.2  # between panels, inches
 MAX_KEYS = 4  # columns of panels that fit the page
@@ -79,46 +62,13 @@ class Batch:
     correlation: dict[str, float]
 
 
-def plot_batch(data: xr.Dataset, path: str | Path) -> Path:
-    """Draw all runs of a batch on one page, 180 mm wide.
-
-    Args:
-        data: a result with two runs or more, see the page on the result file.
-        path: the picture to write: .png (200 dpi), .pdf or .svg.
-
-    Returns:
-        The path of the picture.
+def draw_batch(data: xr.Dataset) -> Figure:
+    """The page of a batch, just as high as its parts ask: heading, panels, fronts and map, small print.
 
     Raises:
-        ResultError: another suffix, a single run, or no run with a front to draw.
+        ResultError: no run has a front to draw.
     """
-    path = checked(path, PLOT_SUFFIXES)
-    with rc_context(STYLE), replacing(path) as part:
-        _page(data, _batch(data)).savefig(part, dpi=200)
-    return path
-
-
-def _batch(data: xr.Dataset) -> Batch:
-    """What the page draws, chosen and computed."""
-    runs = data.sizes.get("run", 1)
-    if runs < 2:
-        raise ResultError("the figure of a batch needs two runs or more; figures.plot draws a single one")
-    frame = summary(data)
-    if not np.isfinite(frame["front"]).any():
-        raise ResultError("there is nothing to draw: no run has a front, `time.series` may be empty")
-    done = frame["status"].isin(CLEAN).to_numpy()
-    frame.loc[~done, [panel.name for panel in QUANTITIES]] = np.nan
-    keys = varied_keys(data)
-    correlation = {key.name: key.correlation(frame["run_out"].to_numpy()) for key in keys}
-    ranked = sorted(keys, key=lambda key: -abs(correlation[key.name]))
-    drawn = keys if len(keys) <= MAX_KEYS else ranked[:MAX_KEYS]
-    drawn = drawn if any(key.numeric for key in drawn) else []
-    front = data["front"].transpose("run", "sample").values
-    return Batch(frame, front, data["series_time"].values, done, keys, drawn, correlation)
-
-
-def _page(data: xr.Dataset, batch: Batch) -> Figure:
-    """The whole page, just as high as its parts ask: heading, panels, fronts and map, small print."""
+    batch = _batch(data)
     columns, mapped = len(batch.drawn), len(batch.keys) == len(batch.drawn) == 2
     title, caption = _heading(data, batch), _caption(batch, mapped)
     across = 3 if columns <= 2 else 2
@@ -158,12 +108,26 @@ def _page(data: xr.Dataset, batch: Batch) -> Figure:
     return figure
 
 
+def _batch(data: xr.Dataset) -> Batch:
+    """What the page draws, chosen and computed."""
+    frame = summary(data)
+    if not np.isfinite(frame["front"]).any():
+        raise ResultError("there is nothing to draw: no run has a front, `time.series` may be empty")
+    done = frame["status"].isin(CLEAN).to_numpy()
+    frame.loc[~done, [panel.name for panel in QUANTITIES]] = np.nan
+    keys = varied_keys(data)
+    correlation = {key.name: key.correlation(frame["run_out"].to_numpy()) for key in keys}
+    ranked = sorted(keys, key=lambda key: -abs(correlation[key.name]))
+    drawn = keys if len(keys) <= MAX_KEYS else ranked[:MAX_KEYS]
+    drawn = drawn if any(key.numeric for key in drawn) else []
+    front = data["front"].transpose("run", "sample").values
+    return Batch(frame, front, data["series_time"].values, done, keys, drawn, correlation)
+
+
 def _heading(data: xr.Dataset, batch: Batch) -> str:
     """Title, number of runs, what varies, and the main parameters that do not."""
     varied = [key.span() for key in batch.drawn or batch.keys[:MAX_KEYS]]
-    fixed = [key for key in ("slope.angle", "column.phi", "rheology.K") if key not in data.coords]
-    fixed = [named(key).value(float(parameter(data, key).item())) for key in fixed]
-    return heading(data, [f"{len(batch.done)} runs", *varied, *fixed])
+    return heading(data, [f"{len(batch.done)} runs", *varied, *main_facts(data)])
 
 
 def _caption(batch: Batch, mapped: bool) -> str:

@@ -7,36 +7,18 @@ changes (%) and angles (degrees). What the run did not compute (NaN) is left out
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps, rc_context
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.analysis.fields import derive
+from warpgran.analysis.fields import derive, number
+from warpgran.analysis.front import thick
 from warpgran.errors import ResultError
-from warpgran.figures.style import (
-    FRONT_LABEL,
-    PLOT_SUFFIXES,
-    STYLE,
-    THIN,
-    TIME_LABEL,
-    WIDTH,
-    Panel,
-    checked,
-    computed_snapshots,
-    hold_open,
-    legend,
-    letter,
-    number,
-    one_run,
-    run_heading,
-    small_print,
-    wet_range,
-)
-from warpgran.files import replacing
+from warpgran.figures.heading import run_heading
+from warpgran.figures.selection import computed_snapshots, one_run, wet_range
+from warpgran.figures.style import FRONT_LABEL, THIN, TIME_LABEL, WIDTH, Panel, hold_open, legend, letter, small_print
 
 MAX_INSTANTS = 8  # more lines than this cannot be told apart
 HEIGHT = 205 / 25.4  # inches
@@ -55,35 +37,13 @@ SERIES = (
 )
 
 
-def plot(data: xr.Dataset, path: str | Path, *, run: int = 0) -> Path:
-    """Draw the profiles and the series of one run on one page, 180 mm wide.
-
-    Args:
-        data: a result, see the page on the result file.
-        path: the picture to write: .png (200 dpi), .pdf or .svg.
-        run: which run of the result.
-
-    Returns:
-        The path of the picture.
+def draw_run(data: xr.Dataset, run: int) -> Figure:
+    """The page of one run: profiles on the left, series on the right, either alone if the other has nothing to show.
 
     Raises:
-        ResultError: another suffix, no such run, or a run without a single value to draw.
+        ResultError: no such run, or one without a single value to draw.
     """
-    path = checked(path, PLOT_SUFFIXES)
-    with rc_context(STYLE), replacing(path) as part:
-        _page(one_run(data, run)).savefig(part, dpi=200)
-    return path
-
-
-def _caption(one: xr.Dataset, drawn: int, held: int) -> str:
-    """The small print under the profiles."""
-    h_front = 1000.0 * number(one, "scheme.h_front", 1e-3)
-    caption = rf"$v$, $\varphi$ and $\psi$ are drawn only where $h$ > {h_front:g} mm."
-    return caption + (f" {drawn} of the {held} snapshots are shown." if drawn < held else "")
-
-
-def _page(one: xr.Dataset) -> Figure:
-    """The whole page: profiles on the left, series on the right, either alone if the other has nothing to show."""
+    one = one_run(data, run)
     snapshots = computed_snapshots(one)
     sampled = np.isfinite(one["h_max"].values).any()
     columns = [draw for draw, there in ((_draw_profiles, snapshots.sizes["time"]), (_draw_series, sampled)) if there]
@@ -106,16 +66,23 @@ def _page(one: xr.Dataset) -> Figure:
     return figure
 
 
+def _caption(one: xr.Dataset, drawn: int, held: int) -> str:
+    """The small print under the profiles."""
+    h_front = 1000.0 * number(one, "scheme.h_front")
+    caption = rf"$v$, $\varphi$ and $\psi$ are drawn only where $h$ > {h_front:g} mm."
+    return caption + (f" {drawn} of the {held} snapshots are shown." if drawn < held else "")
+
+
 def _draw_profiles(one: xr.Dataset, axes: list[Axes]) -> None:
     """Thickness, velocity, volume fraction and dilatancy angle along x, a colour for each instant."""
     held = one.sizes["time"]
     instants = np.unique(np.linspace(0, held - 1, min(held, MAX_INSTANTS)).round().astype(int))
     one = one.isel(cell=wet_range(one), time=instants)
     one = one.assign(derive(one, "psi"))
-    thick = one["h"].values > number(one, "scheme.h_front", 1e-3)
+    shown = thick(one).values
     colours = colormaps["viridis"](np.linspace(0.0, 0.87, instants.size))
     for ax, panel in zip(axes, PROFILES, strict=True):
-        values = np.where(thick | panel.thin, panel.factor * one[panel.name].values, np.nan)
+        values = np.where(shown | panel.thin, panel.factor * one[panel.name].values, np.nan)
         for profile, time, colour in zip(values, one["time"].values, colours, strict=True):
             ax.plot(one["x"], profile, color=colour, label=f"$t$ = {time:g} s")
         _finish(ax, panel, one)
@@ -135,8 +102,7 @@ def _draw_series(one: xr.Dataset, axes: list[Axes]) -> None:
     time = one["series_time"].values
     marker = "." if np.isfinite(one["h_max"].values).sum() == 1 else None
     for ax, panel in zip(axes, SERIES, strict=True):
-        values = one[panel.name if panel.name in one else "v_max"].values  # v_flow: v_max without the thinnest flow
-        ax.plot(time, panel.factor * values, color="black", marker=marker)
+        ax.plot(time, panel.factor * one[panel.name].values, color="black", marker=marker)
         _finish(ax, panel, one)
     _draw_speeds(one, axes[2], marker)
     stop_time = float(one["stop_time"].item())
@@ -150,7 +116,7 @@ def _draw_series(one: xr.Dataset, axes: list[Axes]) -> None:
 
 def _draw_speeds(one: xr.Dataset, ax: Axes, marker: str | None) -> None:
     """Add the speed of the front and the speed that counts as rest; logarithmic if anything ever moves."""
-    rest_speed = number(one, "time.rest_speed", 1e-3)
+    rest_speed = number(one, "time.rest_speed")
     ax.lines[0].set_label(r"$|v|$, maximum")
     ax.plot(one["series_time"], one["front_speed"], color="tab:blue", linestyle="--", marker=marker)
     ax.lines[1].set_label(r"$\dot{x}_\mathrm{f}$, front")

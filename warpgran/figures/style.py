@@ -1,28 +1,19 @@
-"""What the figures share: style, one run of a result, axes, legends.
+"""The style of the figures: fonts and lines, axes, legends, small print.
 
 Nothing here or in the figures touches pyplot, so that no window opens and no figure stays in memory.
 """
 
 from __future__ import annotations
 
-import re
-import textwrap
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.transforms import ScaledTranslation
 
-from warpgran.analysis.fields import parameter
-from warpgran.analysis.summary import status_words
-from warpgran.errors import OptionError, ResultError
-from warpgran.figures.names import named, shown
-from warpgran.schema import Status
+from warpgran.errors import OptionError
 
 PLOT_SUFFIXES = (".png", ".pdf", ".svg")
 WIDTH = 180 / 25.4  # of a page, inches
@@ -45,8 +36,6 @@ STYLE: Any = {
     "pdf.fonttype": 42,
 }
 THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7, "zorder": 1}
-MARKUP = re.compile(r"\\[a-z]+|[${}_^]")  # what takes no room in a line
-CLEAN = tuple(status.word for status in Status if status.clean)
 FRONT_LABEL = r"front position $x_\mathrm{f}$ (m)"
 TIME_LABEL = "time $t$ (s)"
 
@@ -73,67 +62,15 @@ class Panel:
 
 
 def checked(path: str | Path, suffixes: tuple[str, ...]) -> Path:
-    """The path, if its suffix is one of these."""
+    """The path, if its suffix is one of these.
+
+    Raises:
+        OptionError: It is not.
+    """
     path = Path(path)
     if path.suffix.lower() not in suffixes:
         raise OptionError(f"cannot write {path.name!r}: the name must end in {', '.join(suffixes)}")
     return path
-
-
-def one_run(data: xr.Dataset, run: int) -> xr.Dataset:
-    """One run, without the cells that only pad its grid."""
-    runs = data.sizes["run"]
-    if not 0 <= run < runs:
-        raise ResultError(f"there is no run {run}: the result holds {runs}, counted from 0")
-    one = data.isel(run=run).assign_attrs(run=run, runs=runs)
-    return one.isel(cell=np.flatnonzero(np.isfinite(one["x"].values)))
-
-
-def computed_snapshots(one: xr.Dataset) -> xr.Dataset:
-    """Only the snapshots that the run reached."""
-    return one.isel(time=np.flatnonzero(np.isfinite(one["h"].values).any(axis=-1)))
-
-
-def number(one: xr.Dataset, key: str, default: float | None = None) -> float:
-    """A numeric parameter of the run."""
-    return float(parameter(one, key, default).item())
-
-
-def wet_range(one: xr.Dataset) -> slice:
-    """The cells between the first and the last that is ever thicker than h_front [m], and a margin of 4 %."""
-    cells = np.flatnonzero((one["h"].values > number(one, "scheme.h_front", 1e-3)).any(axis=0))
-    if cells.size == 0:
-        return slice(0, one.sizes["cell"])
-    margin = max(2, round(0.04 * (cells[-1] - cells[0])))
-    return slice(max(0, int(cells[0]) - margin), int(cells[-1]) + margin + 1)
-
-
-def run_heading(one: xr.Dataset, width: int = 95) -> str:
-    """Title of the case, its main parameters, what else varies between the runs, and how the run ended."""
-    main = ("slope.angle", "column.phi", "rheology.K")
-    facts = [named(key).value(number(one, key)) for key in main]
-    varied = [str(name) for name in one.variables if "." in str(name) and name not in main]
-    facts += [f"{name} = {shown(one[name].item()).strip('$')}" for name in varied]
-    if one.attrs["runs"] > 1:
-        facts.append(f"run {one.attrs['run']} (0 to {one.attrs['runs'] - 1})")
-    status = status_words(one).item()
-    if status not in CLEAN:
-        facts.append(f"ended early: {status}")
-    return heading(one, facts, width)
-
-
-def heading(data: xr.Dataset, facts: Sequence[str], width: int = 95) -> str:
-    """Title of the case, then facts, in lines of about `width` characters."""
-    title = str(tomllib.loads(data.attrs.get("case_toml", "")).get("title", ""))
-    lines = [""]
-    for fact in facts:
-        longer = f"{lines[-1]}, {fact}".removeprefix(", ")
-        if lines[-1] and len(MARKUP.sub("", longer)) > width:
-            lines[-1] += ","
-            lines.append(fact)
-        else:
-            lines[-1] = longer
-    return "\n".join([*textwrap.wrap(title, width), *lines])
 
 
 def letter(axes: Sequence[Axes]) -> None:

@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 
 from warpgran.analysis.correlation import rank_correlation
-from warpgran.analysis.fields import parameter
 from warpgran.arrays import Array
 from warpgran.paper.claim import Finding, claim
 from warpgran.paper.measures import (
+    extent,
     field,
     front_of,
     front_zone,
@@ -169,10 +169,10 @@ def front_insensitive_to_K(r: Results) -> Finding:
 
 def _front_change(a: xr.Dataset, b: xr.Dataset) -> tuple[float, float]:
     """Way of the front over the extent, and greatest difference of h over the last 20 cm over the greatest h."""
-    fronts, wall = (front_of(a), front_of(b)), float(parameter(a, "grid.left"))
-    near = a["x"].values > min(fronts) - 0.2
+    extents = extent(a), extent(b)
+    near = a["x"].values > min(front_of(a), front_of(b)) - 0.2
     shape = abs(a["h"].values - b["h"].values)[near].max() / a["h"].values.max()
-    return abs(fronts[0] - fronts[1]) / (max(fronts) - wall), float(shape)
+    return abs(extents[0] - extents[1]) / max(extents), float(shape)
 
 
 @claim("4.4, Fig. 19b", "fig19")
@@ -224,10 +224,8 @@ def walls_steepen(r: Results) -> Finding:
     words, holds = [], True
     for angle in (0, 22):
         shots = [at(one, 1.8) for one in walls(r, angle)]
-        wall = float(parameter(shots[0], "grid.left"))
         behind = [mean(shot, "h", rear(shot)) for shot in shots]
-        extent = [front_of(shot) - wall for shot in shots]
-        rise, way = behind[1] / behind[0] - 1, extent[1] / extent[0] - 1
+        rise, way = behind[1] / behind[0] - 1, extent(shots[1]) / extent(shots[0]) - 1
         words.append(f"{angle}: rear {100 * rise:+.1f} %, extent {100 * way:+.1f} %")
         holds &= rise > 0 > way
     return Finding("; ".join(words), holds)

@@ -5,10 +5,22 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from warpgran.analysis.fields import parameter
+from warpgran.analysis.fields import number
 from warpgran.paper.claim import Finding, at_angles, by_packing, claim
-from warpgran.paper.measures import GRAIN_TENTH, REST_SPEED, front_of, front_zone, mass, mean, moving, over, solid_share
+from warpgran.paper.measures import (
+    GRAIN_TENTH,
+    REST_SPEED,
+    extent,
+    front_of,
+    front_zone,
+    mass,
+    mean,
+    moving,
+    over,
+    solid_share,
+)
 from warpgran.paper.results import ANGLES, THREE, TWO, Results, at, collapse
+from warpgran.results.series import stop_time
 
 
 @claim("4.3.1, Figs. 5, 6", "fig05 fig06")
@@ -34,9 +46,8 @@ def same_front_at_0(r: Results) -> Finding:
     are below 3 %.
     """
     shots = [at(collapse(r, 0, name), 1.8) for name in THREE]
-    wall = float(parameter(shots[0], "grid.left"))
-    fronts = [[front_of(shot, level) for shot in shots] for level in (1e-3, 5e-3)]
-    spread = [(max(f) - min(f)) / (max(f) - wall) for f in fronts]
+    extents = [[extent(shot, level) for shot in shots] for level in (1e-3, 5e-3)]
+    spread = [(max(e) - min(e)) / max(e) for e in extents]
     return Finding(f"{100 * spread[0]:.1f} % at 1 mm, {100 * spread[1]:.1f} % at 5 mm", max(spread) < 0.03)
 
 
@@ -114,7 +125,7 @@ def dense_front_faster(r: Results) -> Finding:
     first is above 20 cm and dense is faster than loose by 25 % or more.
     """
     shots = [at(collapse(r, 22, name), 1.38) for name in TWO]
-    wall = float(parameter(shots[0], "grid.left"))
+    wall = number(shots[0], "grid.left")
     still = [float(over(shot, "x", moving(shot)).min()) - wall for shot in shots]
     speed = {name: mean(shot, "v", front_zone(shot, 0.1)) for name, shot in zip(TWO, shots, strict=True)}
     words = f"at rest over {100 * min(still):.0f} cm; {by_packing(speed, '{:.3f}', 'm/s')}"
@@ -168,9 +179,8 @@ def same_front_speed(r: Results) -> Finding:
 
 def _stop(one: xr.Dataset, speed: float) -> float:
     """First sample after which nothing thicker than 1 mm is faster than so much [s]; infinite if there is none."""
-    t, v = one["series_time"].values, one["v_flow"].values
-    fast = np.flatnonzero(~(v < speed))
-    return float(t[fast[-1] + 1]) if fast.size and fast[-1] + 1 < t.size else float("inf")
+    found = stop_time(one["series_time"].values, one["v_flow"].values, speed)
+    return float("inf") if np.isnan(found) else found
 
 
 STOP = "First sample after which nothing thicker than 1 mm moves faster than 1 mm/s, 0.1 mm/s and 0.01 mm/s. "
@@ -236,7 +246,7 @@ def deposit_is_there(r: Results) -> Finding:
     one = r.run("stopping", angle=22)
     early, late = at(one, 1.8), at(one, 40.0)
     h = float(abs(late["h"].values - early["h"].values).max() / late["h"].values.max())
-    way = (front_of(late) - front_of(early)) / (front_of(late) - float(parameter(one, "grid.left")))
+    way = 1 - extent(early) / extent(late)
     return Finding(f"thickness {100 * h:.1f} %, front {100 * way:.1f} %", h < 0.05 and abs(way) < 0.05)
 
 

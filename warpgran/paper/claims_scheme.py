@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from warpgran.analysis.fields import parameter
+from warpgran.analysis.fields import number
 from warpgran.paper.claim import Finding, claim
-from warpgran.paper.measures import GRAIN_TENTH, front_of, mass, over, rise, same_cells
+from warpgran.paper.measures import GRAIN_TENTH, extent, front_of, mass, over, rise, same_cells
 from warpgran.paper.results import Results, at, collapse
 
 INSTANT = 1.38  # s, of Fig. 2
@@ -33,7 +33,7 @@ def linear_law_negative(r: Results) -> Finding:
     Least phi_stat - K_tilde I where h > 1 mm; holds if it is below 0.
     """
     one = at(form(r, 22, "f2"), INSTANT)
-    stat, slope = (float(parameter(one, f"rheology.{name}")) for name in ("phi_stat", "K_tilde"))
+    stat, slope = (number(one, f"rheology.{name}") for name in ("phi_stat", "K_tilde"))
     x, values = one["x"].values[mass(one)], stat - slope * over(one, "I", mass(one))
     negative = values < 0
     behind = front_of(one) - x[negative].min() if negative.any() else 0.0
@@ -111,10 +111,9 @@ def _apart(a: xr.Dataset, b: xr.Dataset) -> float:
 def _front_moves(r: Results, angle: float, level: float) -> dict[float, float]:
     """How far the viscosity moves the front over the extent of the mass, by instant."""
     a, b = collapse(r, angle, "dense"), r.run("no_viscosity", angle=angle)
-    wall = float(parameter(a, "grid.left"))
     times = [float(t) for t in a["time"].values if t > 0]
-    ends = [(front_of(at(a, t), level), front_of(at(b, t), level)) for t in times]
-    return {round(t, 6): abs(p - q) / (q - wall) for t, (p, q) in zip(times, ends, strict=True)}
+    extents = [(extent(at(a, t), level), extent(at(b, t), level)) for t in times]
+    return {round(t, 6): abs(p - q) / q for t, (p, q) in zip(times, extents, strict=True)}
 
 
 @claim("3.3, Fig. 3", "fig03", paper="0.43 %")

@@ -6,13 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.analysis.fields import derive
-from warpgran.figures.style import THIN, number
+from warpgran.analysis.fields import derive, number
+from warpgran.figures.style import THIN
 from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.measures import front_of
 from warpgran.paper.panels import LABELS, STYLES, X_LABEL, Style, along, draw_profile, finish, head, shades, sheet
 from warpgran.paper.picture import picture
 from warpgran.paper.results import Results, at, collapse
+from warpgran.physics.laws import PHI_EQ
 
 FORMS = {
     "(f0)": ("f0", 1.0),
@@ -44,7 +45,7 @@ def fig02(r: Results, lab: Laboratory) -> Figure:
     I, stat, slope = derive(shot, "I")["I"].values, number(shot, "rheology.phi_stat"), number(shot, "rheology.K_tilde")
     axes[0, 0].plot(shot["x"], stat - slope * I, "o", color="black", markersize=2, label="(2.9)")
     for name, (law, N) in FORMS.items():
-        axes[0, 0].plot(shot["x"], _form(law, N, slope * I, stat), label=name, **FORM_STYLES[name])
+        axes[0, 0].plot(shot["x"], PHI_EQ[law](I, slope, stat, N), label=name, **FORM_STYLES[name])
     axes[0, 0].axhline(0.0, **THIN)
     axes[0, 0].set_ylabel(r"$\varphi_\mathrm{eq}$ (-)")
     axes[0, 1].plot(shot["x"], I, color="black")
@@ -54,13 +55,6 @@ def fig02(r: Results, lab: Laboratory) -> Figure:
     for ax in axes.flat:
         ax.set_xlabel(X_LABEL)
     return finish(figure, list(axes.flat), 6)
-
-
-def _form(law: str, N: float, fall: np.ndarray, stat: float) -> np.ndarray:
-    """(f0), (f1) or (f2) as functions of K_tilde I."""
-    if law == "f0":
-        return np.maximum(0.0, stat - fall)
-    return stat * np.exp(-fall / stat) if law == "f1" else stat / (1 + fall / (N * stat)) ** N
 
 
 def _near_front(ax: Axes, r: Results, angle: float, t: float) -> None:

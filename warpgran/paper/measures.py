@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from warpgran.analysis.fields import derive, parameter
+from warpgran.analysis.fields import derive, number
+from warpgran.analysis.front import front, thick
 from warpgran.arrays import Array
 from warpgran.paper.results import NotComputedError
 
@@ -21,18 +22,17 @@ GRAIN_TENTH = 7e-5  # m, a tenth of a grain
 
 def mass(shot: xr.Dataset, thicker: float | None = None) -> Array:
     """Cells thicker than h_front, or than so much [m]."""
-    limit = float(parameter(shot, "scheme.h_front", 1e-3)) if thicker is None else thicker
-    return np.asarray(shot["h"].values > limit)
+    return np.asarray(thick(shot) if thicker is None else shot["h"] > thicker)
 
 
 def front_of(shot: xr.Dataset, level: float = 1e-3) -> float:
-    """The largest x where h falls through a level [m], linear between cell centres, as the front of the series."""
-    h, x = shot["h"].values, shot["x"].values
-    thick = np.flatnonzero(h > level)
-    if thick.size == 0 or thick[-1] == h.size - 1:
-        return float(x[thick[-1]]) if thick.size else float("nan")
-    i = thick[-1]
-    return float(x[i] + (h[i] - level) / (h[i] - h[i + 1]) * (x[i + 1] - x[i]))
+    """The largest x where h falls through a level [m]."""
+    return front(shot["x"].values, shot["h"].values, level)
+
+
+def extent(shot: xr.Dataset, level: float = 1e-3) -> float:
+    """Distance from the back wall to the front [m]."""
+    return front_of(shot, level) - number(shot, "grid.left")
 
 
 def moving(shot: xr.Dataset) -> Array:

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from warpgran.arrays import Array
-from warpgran.physics.laws import phi_equilibrium, positive, quotient, shear
+from warpgran.physics.laws import effective_friction, mu_of_I, phi_equilibrium, positive, quotient, shear
 
 if TYPE_CHECKING:
     from warpgran.case.case import Case
@@ -59,8 +59,7 @@ def friction(fields: Fields, case: Case) -> Array:
     h, v, phi = fields
     _, I = shear(h, v, phi, case)
     tan_psi = r.K * (phi - phi_equilibrium(I, case))  # (2.8)
-    mu_I = r.mu1 + (r.mu2 - r.mu1) * I / (I + r.I0)
-    return positive(mu_I + tan_psi) + r.mu_wall * h / r.channel_width
+    return effective_friction(mu_of_I(I, r.mu1, r.mu2, r.I0), tan_psi, r.mu_wall * h / r.channel_width)
 
 
 def decode(U: Array, case: Case) -> Fields:

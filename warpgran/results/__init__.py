@@ -1,1 +1,1 @@
-"""Results: their layout, in memory and in files."""
+"""Results, in memory and in files."""

@@ -1,4 +1,4 @@
-"""Results of a study kept in memory, and as a labelled dataset."""
+"""Results kept in memory, and handed out as an xarray.Dataset."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class MemoryResults:
     """Results kept in memory.
 
     Attributes:
-        layout: What they consist of.
-        arrays: By name, with a first dimension of runs; NaN, and status pending, for what is not there yet.
+        layout: Of the result.
+        arrays: The columns by name; NaN, and status pending, where a run is not computed yet.
     """
 
     def __init__(self, layout: Layout) -> None:
@@ -30,12 +30,12 @@ class MemoryResults:
         self.arrays["status"][:] = Status.PENDING
 
     def put(self, at: Sequence[int], rows: Mapping[str, Array]) -> None:
-        """Store rows of `Layout.rows` at these places."""
-        for name, values in rows.items():
-            self.arrays[name][list(at)] = values
+        """Store what `Layout.rows` returns of the runs at these places."""
+        for name, array in self.arrays.items():
+            array[list(at)] = rows[name]
 
     def to_dataset(self, **attributes: Any) -> xr.Dataset:
-        """The results as an xarray.Dataset; the keys in which runs differ are coordinates of `run`."""
+        """The results with units and names; the keys in which runs differ are coordinates of `run`."""
         import xarray as xr
 
         columns = self.layout.columns
@@ -49,7 +49,9 @@ class MemoryResults:
         coordinates: dict[str, Any] = {name: variables.pop(name) for name in ("x", "time", "series_time")}
         coordinates |= self.layout.sizes()
         coordinates |= {key: ("run", values) for key, values in self.layout.parameters().items()}
-        return xr.Dataset(variables, coordinates, self.layout.attributes(**attributes))
+        facts = self.layout.attributes(**attributes)
+        coordinates["case_toml"] = "run", np.full(self.layout.runs.size, facts["case_toml"], dtype=object)
+        return xr.Dataset(variables, coordinates, facts)
 
 
 def _blank(shape: tuple[int, ...], dtype: np.dtype[Any]) -> Array:

@@ -1,4 +1,4 @@
-"""The results of a study: what is computed of each run, and all of it in memory as a labelled dataset."""
+"""The layout of a result: its variables, their shapes and types, and their values from what an engine returns."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ from warpgran.case.case import Case
 from warpgran.case.identity import identity
 from warpgran.case.problems import CaseError, Problem
 from warpgran.case.study import Study
+from warpgran.results.series import Samples, check_sources, series, stop_time
 from warpgran.schema import COORDINATES, FIELDS, PER_RUN, SCHEMA_VERSION, SERIES, Status, Variable
 from warpgran.solve.finished import SCALARS, Finished
 from warpgran.solve.schedule import Outputs
 
 FAILURE = np.dtype("S200")
-"""Room for the words that say how a run diverged."""
+"""Text that says how a run diverged."""
 
 
 class Column(NamedTuple):
-    """What a result holds of each run: the schema, and the shape and type of one run's part."""
+    """A variable with a first dimension of runs: its schema, and the shape and type of one run's part."""
 
     schema: Variable
     shape: tuple[int, ...]
@@ -32,23 +33,25 @@ class Column(NamedTuple):
 
 
 class Layout:
-    """What the result of some runs of a study consists of.
+    """The variables of a result of some runs of a study, known before anything is computed.
 
     Attributes:
         study: The whole study.
-        runs: Numbers of the runs that this result is of, in increasing order.
-        outputs: When they are recorded.
-        cells: Of the largest grid.
+        runs: Numbers of the runs in this result, in increasing order.
+        outputs: The output times that they share.
+        cells: Number of cells of the largest grid.
         one_grid: Whether all runs have the same cells and bed.
-        columns: What there is of each run.
+        columns: The variables with a first dimension of runs, by name.
     """
 
     def __init__(self, study: Study, runs: Sequence[int] | None = None) -> None:
-        """Plan for the runs given, all of the study by default.
+        """Lay out a result of the runs given, by default of the whole study.
 
         Raises:
             CaseError: The runs do not share their output times.
+            NotImplementedError: A series of the schema has no source.
         """
+        check_sources()
         self.study = study
         self.runs = np.arange(len(study)) if runs is None else np.asarray(runs)
         self.outputs = Outputs.of(study.base)
@@ -77,22 +80,16 @@ class Layout:
         return {name: COORDINATES[name]._replace(dims=dims) for name in ("x", "bed")}
 
     def rows(self, cases: Sequence[Case], finished: Finished) -> dict[str, Array]:
-        """What is stored of runs that have ended, every array with a first dimension of runs."""
+        """The columns of runs that have ended, every array with a first dimension of runs."""
         rows = {
             name: _wide(profile, self.cells, [case.grid.cells for case in cases])
             for name, profile in zip(FIELDS, finished.profiles, strict=True)
         }
         t = self.outputs.times[self.outputs.sample_at >= 0]
-        scalars = dict(zip(SCALARS, np.moveaxis(finished.scalars, 2, 0), strict=True))
-        volume = np.array([_volume(case) for case in cases])[:, None]
-        rows |= {name: scalars[name] for name in SERIES.keys() & scalars.keys()}
-        rows["volume_change"] = scalars["volume"] / volume - 1.0
-        flat = np.full_like(rows["front"], np.nan)
-        rows["front_speed"] = np.gradient(rows["front"], t, axis=1) if t.size > 1 else flat
-        rest_speeds = [case.time.rest_speed for case in cases]
-        rows["stop_time"] = np.array(
-            [stop_time(t, v, rest) for v, rest in zip(scalars["v_flow"], rest_speeds, strict=True)]
-        )
+        samples = Samples(cases, t, dict(zip(SCALARS, np.moveaxis(finished.scalars, 2, 0), strict=True)))
+        rows |= series(samples)
+        speeds = zip(samples.scalars["v_flow"], cases, strict=True)
+        rows["stop_time"] = np.array([stop_time(t, v_flow, case.time.rest_speed) for v_flow, case in speeds])
         rows |= {"status": finished.status, "steps": finished.steps, "end_time": finished.end_time}
         words = [str(finished.failures[r]) if r in finished.failures else "" for r in range(len(cases))]
         rows["failure"] = np.array([word.encode() for word in words], dtype=FAILURE)
@@ -104,7 +101,7 @@ class Layout:
         return rows
 
     def shared(self) -> dict[str, tuple[Variable, Array]]:
-        """What is the same for all runs: the times, and x and bed if there is one grid."""
+        """The variables without a dimension of runs: the times, and x and bed if there is one grid."""
         times = self.outputs.times
         shared = {
             "time": (COORDINATES["time"], times[self.outputs.snapshot_at >= 0]),
@@ -115,11 +112,11 @@ class Layout:
         return shared
 
     def parameters(self) -> dict[str, list[Any]]:
-        """Values by run of the keys in which the runs differ."""
+        """The keys in which the runs differ, each with its value in every run."""
         return {key: [values[r] for r in self.runs] for key in self.study.keys if (values := self.study.values(key))}
 
     def sizes(self) -> dict[str, Array]:
-        """The dimensions that are counted, not measured: the number of each run, sample and cell."""
+        """The coordinates that number the runs, samples and cells."""
         return {"run": self.runs, "sample": np.arange(self.outputs.samples), "cell": np.arange(self.cells)}
 
     def attributes(self, **more: Any) -> dict[str, Any]:
@@ -140,19 +137,8 @@ class Layout:
         }
 
 
-def stop_time(t: Array, v_flow: Array, rest_speed: float) -> float:
-    """First sample time [s] after which the speed stays below rest_speed [m/s]; NaN if it never does.
-
-    The initial state is at rest without having stopped: what counts is after the mass has moved.
-    """
-    moving = np.flatnonzero(~(v_flow < rest_speed))
-    if moving.size == 0 or moving[-1] == t.size - 1:
-        return float("nan")
-    return float(t[moving[-1] + 1])
-
-
 def status_attributes() -> dict[str, Any]:
-    """Meaning of the status codes, as CF has it."""
+    """Meaning of the status codes, as the CF conventions have it."""
     return {
         "flag_values": np.array([int(s) for s in Status], dtype=np.int8),
         "flag_meanings": " ".join(s.word for s in Status),
@@ -170,9 +156,3 @@ def _wide(profile: Array, cells: int, each: Sequence[int]) -> Array:
     for row, source, n in zip(wide, profile, each, strict=True):
         row[:, :n] = source[:, :n]
     return wide
-
-
-def _volume(case: Case) -> float:
-    """Volume per unit width [m2] of the cells that start thicker than h_front; NaN if there are none."""
-    h, _ = case.initial_state()
-    return float(h[h > case.scheme.h_front].sum() * case.dx) or float("nan")

@@ -1,4 +1,4 @@
-"""Joining the shares of a study into one result file."""
+"""Shards of a study merged into one result file."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ import h5py
 import numpy as np
 
 from warpgran.files import StorageError, replacing
+from warpgran.schema import PARAMETERS
 
 SAME = ("identity", "precision", "engine", "warpgran_version", "warp_version", "schema_version", "run_file")
 
 
 def merge(shards: Sequence[Path], path: Path) -> int:
-    """Join result files of the same study into one, in the order of their runs.
+    """Merge result files of one study, in the order of their runs.
 
     Args:
         shards: Files that `warpgran run --shard` wrote.
@@ -54,6 +55,7 @@ def _opened(path: Path) -> h5py.File:
 
 
 def _join(files: Sequence[h5py.File], target: h5py.File, order: np.ndarray) -> None:
+    """Copy all datasets, their attributes and scales; order: of the runs of all files, one file after another."""
     first = files[0]
     target.attrs.update(first.attrs)
     for name in ("cell_steps", "kernel_seconds", "wall_seconds"):
@@ -70,12 +72,11 @@ def _join(files: Sequence[h5py.File], target: h5py.File, order: np.ndarray) -> N
                 axis.attach_scale(target[label])
         hidden = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST")
         target[name].attrs.update({k: v for k, v in first[name].attrs.items() if k not in hidden})
-    if "params" not in target:
-        target.create_group("params")
+    target.require_group(PARAMETERS)
 
 
 def _join_one(name: str, files: Sequence[h5py.File], target: h5py.File, order: np.ndarray) -> None:
-    """Copy a dataset of all files, run by run where it is by run."""
+    """Copy a dataset of the first file, or of all files where it has a dimension of runs."""
     source = files[0][name]
     by_run = name == "run" or any(scale.name == "/run" for scale in (source.dims[0].values() if source.shape else ()))
     if not by_run:

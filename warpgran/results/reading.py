@@ -23,7 +23,8 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     """A result file as the Dataset that `simulate` returns; arrays are read when they are used.
 
     Args:
-        path: A file that `warpgran run` wrote, finished or not (`.part`).
+        path: A finished file of `warpgran run`, or one of a running or killed study (`.part`), where runs that are not
+            computed yet are NaN.
 
     Raises:
         StorageError: There is no such file, or it is not one of warpgran's, or of a newer version.
@@ -44,10 +45,12 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         raise StorageError(f"cannot read {path}: its schema is version {found}, this warpgran knows {SCHEMA_VERSION}")
     series = xr.open_dataset(path, engine="h5netcdf", group="series")
     params = xr.open_dataset(path, engine="h5netcdf", group=PARAMETERS)
-    merged = root.merge(series).assign_coords({str(key): ("run", params[key].values) for key in params})
+    by_run = {str(key): ("run", params[key].values) for key in params}
+    by_run["case_toml"] = "run", np.full(root.sizes["run"], root.attrs["case_toml"], dtype=object)
+    merged = root.merge(series).assign_coords(by_run)
     merged["failure"] = merged["failure"].astype(str)
     waiting = merged["status"] == Status.PENDING
-    if waiting.any():  # in a file that is not finished, numbers that are not there yet read as 0
+    if waiting.any():  # numbers not written yet read as 0
         for name in merged.data_vars:
             if merged[name].dims[:1] == ("run",) and merged[name].dtype.kind == "f":
                 merged[name] = merged[name].where(~waiting)
@@ -56,7 +59,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
 
 @contextmanager
 def reading(path: Path) -> Iterator[h5py.File]:
-    """A file open for reading, whether or not this process has it open already, with a lock or without."""
+    """A file open for reading, even if this process is writing it."""
     try:
         file = h5py.File(path, "r")
     except OSError:
@@ -66,5 +69,5 @@ def reading(path: Path) -> Iterator[h5py.File]:
 
 
 def pending(status: Array) -> Array:
-    """Which runs are still to be computed, from the start: not begun, or not brought to their end."""
+    """Which runs are still to be computed: not begun, or interrupted."""
     return np.isin(status, (Status.PENDING, Status.INTERRUPTED))

@@ -18,13 +18,12 @@ from warpgran.errors import OptionError, ResultError
 from warpgran.files import replacing
 from warpgran.run.options import Options
 from warpgran.run.simulate import simulate
-from warpgran.schema import Status
+from warpgran.schema import CLEAN
 
 WANTED = 0.01
 """The error that is spoken of: one percent."""
 LEVELS = (3, 6)
 """Least and most grids."""
-CLEAN = tuple(status.word for status in Status if status.clean)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,17 @@ import numpy as np
 
 from warpgran.case.case import Case
 from warpgran.verification import exact
-from warpgran.verification.grids import PHI, Computed, G, coulomb, falling, of_constant_phi, starting_from, study
+from warpgran.verification.grids import (
+    PHI,
+    Computed,
+    G,
+    centres,
+    coulomb,
+    falling,
+    of_constant_phi,
+    starting_from,
+    study,
+)
 from warpgran.verification.outcome import Outcome, Setting, paragraphs
 from warpgran.verification.plots import against_exact
 
@@ -20,8 +30,7 @@ def cap(setting: Setting) -> Outcome:
     g_c, m = float(G * np.cos(theta)), exact.acceleration(theta, delta, G)
 
     def start(cells: int) -> Case:
-        x = left + (right - left) / cells * (np.arange(cells) + 0.5)
-        h = exact.cap(x, 0.0, H_0, LENGTH, m, g_c).h
+        h = exact.cap(centres(left, right, cells), 0.0, H_0, LENGTH, m, g_c).h
         return starting_from(h, 0.0, PHI, left, right, **{"slope.angle": 35.0}, **coulomb(float(np.tan(delta))))
 
     found = study(setting, start, of_constant_phi(lambda x, t: exact.cap(x, t, H_0, LENGTH, m, g_c)), times, 200)

@@ -12,6 +12,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from warpgran.analysis.front import front
 from warpgran.analysis.refinement import Refined
 from warpgran.case.case import Case
 from warpgran.figures.style import STYLE, WIDTH, letter
@@ -49,14 +50,8 @@ class Collapse:
 COLLAPSES = (Collapse(0.0, 0.6, (0.2, 0.5)), Collapse(22.0, 1.4, (0.48, 1.38)))
 
 
-def height_falls_through(level: float, x: np.ndarray, h: np.ndarray) -> float:
-    """Largest x [m] where h falls through a level [m], linear between cell centres, as the front of a series is."""
-    i = int(np.flatnonzero(h > level)[-1])
-    return float(x[i] + (h[i] - level) / (h[i] - h[i + 1]) * (x[i + 1] - x[i]))
-
-
 def _front_at_one_centimetre(case: Case, run: xr.Dataset, at: int) -> float:
-    return height_falls_through(0.01, case.x, run["h"].values[at, : case.grid.cells])
+    return front(case.x, run["h"].values[at, : case.grid.cells], 0.01)
 
 
 QUANTITIES: dict[str, Callable[[Case, xr.Dataset, int], float]] = {

@@ -14,6 +14,7 @@ from warpgran.verification import exact
 from warpgran.verification.grids import (
     PHI,
     G,
+    centres,
     coulomb,
     falling,
     of_constant_phi,
@@ -35,7 +36,7 @@ def dam(h_l: float, h_r: float, left: float, right: float, **changes: Any) -> Ca
     """Cases of so many cells with a dam at x = 0, which must be the edge of a cell."""
 
     def start(cells: int) -> Case:
-        x = left + (right - left) / cells * (np.arange(cells) + 0.5)
+        x = centres(left, right, cells)
         return starting_from(np.where(x < 0.0, h_l, h_r), 0.0, PHI, left, right, **changes)
 
     return start

@@ -10,6 +10,7 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.case.case import Case
+from warpgran.case.sections import Grid
 from warpgran.run.simulate import simulate
 from warpgran.verification.exact import Flow
 from warpgran.verification.outcome import Row, Setting
@@ -37,6 +38,11 @@ def of_constant_phi(flow: Callable[[Array, float], Flow]) -> Exact:
     return lambda x, t: (*flow(x, t), np.full(x.shape, PHI))
 
 
+def centres(left: float, right: float, cells: int) -> Array:
+    """Cell centres of a grid from left to right, m."""
+    return Grid(left=left, right=right, cells=cells).x
+
+
 def starting_from(h: Array, v: Array | float, phi: Array | float, left: float, right: float, **changes: Any) -> Case:
     """A case whose state at the cell centres at time 0 is this.
 
@@ -48,8 +54,12 @@ def starting_from(h: Array, v: Array | float, phi: Array | float, left: float, r
         right: The other end, m.
         changes: Other values by dotted key.
     """
-    x = left + (right - left) / h.size * (np.arange(h.size) + 0.5)
-    profile = {"x": x, "h": h, "v": np.broadcast_to(v, h.shape), "phi": np.broadcast_to(phi, h.shape)}
+    profile = {
+        "x": centres(left, right, h.size),
+        "h": h,
+        "v": np.broadcast_to(v, h.shape),
+        "phi": np.broadcast_to(phi, h.shape),
+    }
     return Case().with_(
         **{
             "column.profile": profile,

@@ -13,6 +13,7 @@ from warpgran.verification.exact import Uniform
 from warpgran.verification.grids import (
     Fields,
     G,
+    centres,
     computed,
     coulomb,
     starting_from,
@@ -34,7 +35,7 @@ COARSEST = 100
 
 def two_sides(left: Uniform, right: Uniform, cells: int, mu: float = 0.0) -> Case:
     """A jump at x = 0 on [-1, 1] m."""
-    x = -1.0 + 2.0 / cells * (np.arange(cells) + 0.5)
+    x = centres(-1.0, 1.0, cells)
     h, v, phi = (np.where(x < 0.0, a, b) for a, b in zip(left, right, strict=True))
     return starting_from(h, v, phi, -1.0, 1.0, **coulomb(mu))
 

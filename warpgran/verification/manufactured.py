@@ -13,7 +13,7 @@ from warpgran.case.case import Case
 from warpgran.physics.laws import phi_equilibrium, shear
 from warpgran.physics.reference import Fields, friction
 from warpgran.solve.solver import Solver
-from warpgran.verification.grids import Computed, Study, starting_from
+from warpgran.verification.grids import Computed, Study, centres, starting_from
 from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import against_exact
 
@@ -94,7 +94,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
 
 def start(cells: int, **changes: Any) -> Case:
     """The flow at time 0 on so many cells."""
-    h, v, phi = flow(LENGTH / cells * (np.arange(cells) + 0.5), 0.0)
+    h, v, phi = flow(centres(0.0, LENGTH, cells), 0.0)
     joined = {"scheme.left": "periodic", "scheme.right": "periodic", "slope.angle": 22.0}
     seen = {"time.end": TIMES[-1], "time.snapshots": list(TIMES)}
     return starting_from(h, v, phi, 0.0, LENGTH, **joined, **seen, **changes)

@@ -16,7 +16,7 @@ from scipy.stats import qmc
 from warpgran.case.case import Case
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
-from warpgran.schema import Status
+from warpgran.schema import FIELDS, SERIES, Status
 from warpgran.verification.outcome import Outcome, Row
 from warpgran.verification.space import AXES, SCALES, case_at
 
@@ -88,9 +88,7 @@ def examine(cases: Sequence[Case], precision: Precision, findings: Findings) -> 
 
 
 def _same(a: xr.Dataset, b: xr.Dataset) -> bool:
-    return all(
-        np.array_equal(a[name], b[name], equal_nan=True) for name in ("h", "v", "phi", "front", "mass", "energy")
-    )
+    return all(np.array_equal(a[name], b[name], equal_nan=True) for name in (*FIELDS, *SERIES))
 
 
 def _judge(case: Case, run: xr.Dataset, precision: Precision, findings: Findings) -> Iterable[str]:

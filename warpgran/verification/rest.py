@@ -14,7 +14,7 @@ from warpgran.case.case import Case
 from warpgran.figures.style import TIME_LABEL
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
-from warpgran.verification.grids import computed, coulomb, falling, starting_from
+from warpgran.verification.grids import centres, computed, coulomb, falling, starting_from
 from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import COLOURS, MARKS, panels
 
@@ -31,7 +31,7 @@ BOUNDS: dict[Precision, float] = {"float64": 2e-13, "float32": 1e-4}
 
 def rough_bed(roughness: float) -> Array:
     """A bed drawn at random in every cell, m, with an island where roughness is more than LEVEL."""
-    x = (np.arange(CELLS) + 0.5) / CELLS
+    x = centres(0.0, 1.0, CELLS)
     draws = np.random.default_rng(1).uniform(-1.0, 1.0, CELLS)
     return 0.015 * draws + roughness * np.exp(-(((x - 0.5) / 0.1) ** 2))
 
@@ -51,14 +51,14 @@ def second_family(mu: float, alpha: float) -> Case:
 
 def heap(cells: int, variation: float) -> Case:
     """A heap on a plane, less steep than friction holds, whose phi varies along it by so much; default viscosity."""
-    x = (np.arange(cells) + 0.5) / cells
+    x = centres(0.0, 1.0, cells)
     h = np.maximum(LEVEL - 0.3 * np.abs(x - 0.5), 0.0)
     phi = 0.58 + variation * np.sin(4.0 * np.pi * x)
     return starting_from(h, 0.0, phi, 0.0, 1.0, **coulomb(0.48))
 
 
 def _resting(h: Array, phi: Array, bed: Array, mu: float, alpha: float) -> Case:
-    x = (np.arange(CELLS) + 0.5) / CELLS
+    x = centres(0.0, 1.0, CELLS)
     closed = {"scheme.left": "wall", "scheme.right": "wall", "scheme.alpha": alpha}
     table = {"slope.bed": {"x": x, "b": bed}}
     return starting_from(h, 0.0, phi, 0.0, 1.0, **closed, **table, **coulomb(mu))

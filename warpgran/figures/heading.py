@@ -1,0 +1,51 @@
+"""Headings of figures: the title of the case, and the facts that tell one result from another."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from warpgran.analysis.fields import parameter
+from warpgran.analysis.summary import status_words
+from warpgran.figures.names import named, shown
+from warpgran.schema import CLEAN
+
+MAIN_KEYS = ("slope.angle", "column.phi", "rheology.K")
+MARKUP = re.compile(r"\\[a-z]+|[${}_^]")  # what takes no room in a line
+
+
+def run_heading(one: xr.Dataset, width: int = 95) -> str:
+    """Title of the case, its main parameters, what else varies between the runs, and how the run ended."""
+    varied = [str(name) for name in one.variables if "." in str(name) and name not in MAIN_KEYS]
+    facts = main_facts(one)
+    facts += [f"{name} = {shown(one[name].item()).strip('$')}" for name in varied]
+    if one.attrs["runs"] > 1:
+        facts.append(f"run {one.attrs['run']} (0 to {one.attrs['runs'] - 1})")
+    status = status_words(one).item()
+    if status not in CLEAN:
+        facts.append(f"ended early: {status}")
+    return heading(one, facts, width)
+
+
+def main_facts(data: xr.Dataset) -> list[str]:
+    """The main parameters that the result has, each where it is the same in all runs."""
+    values = {key: parameter(data, key, np.nan) for key in MAIN_KEYS}
+    return [named(key).value(float(v.item())) for key, v in values.items() if v.size == 1 and v.notnull()]
+
+
+def heading(data: xr.Dataset, facts: Sequence[str], width: int = 95) -> str:
+    """Title of the case, then facts, in lines of about `width` characters."""
+    title = " / ".join(dict.fromkeys(parameter(data, "title", "").values.ravel().tolist()))
+    lines = [""]
+    for fact in facts:
+        longer = f"{lines[-1]}, {fact}".removeprefix(", ")
+        if lines[-1] and len(MARKUP.sub("", longer)) > width:
+            lines[-1] += ","
+            lines.append(fact)
+        else:
+            lines[-1] = longer
+    return "\n".join([*textwrap.wrap(title, width), *lines])

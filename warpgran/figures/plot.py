@@ -1,0 +1,41 @@
+"""The figure of a result: of one run, or of a batch."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import xarray as xr
+from matplotlib import rc_context
+
+from warpgran.errors import ResultError
+from warpgran.figures.batch import draw_batch
+from warpgran.figures.one_run import draw_run
+from warpgran.figures.style import PLOT_SUFFIXES, STYLE, checked
+from warpgran.files import replacing
+
+
+def plot(data: xr.Dataset, path: str | Path, run: int | None = None) -> Path:
+    """Draw a result on one page, 180 mm wide.
+
+    A single run is drawn by its profiles and series, a batch by its results over the swept keys.
+
+    Args:
+        data: a result.
+        path: the picture to write: .png (200 dpi), .pdf or .svg.
+        run: one run of a batch, counted from 0; by default all together.
+
+    Returns:
+        The path of the picture.
+
+    Raises:
+        OptionError: another suffix.
+        ResultError: no such run, nothing to draw, or a selection without the dimension `run`.
+    """
+    path = checked(path, PLOT_SUFFIXES)
+    if "run" not in data.dims:
+        raise ResultError("a figure needs the dimension `run`: select one run with data.isel(run=[0])")
+    with rc_context(STYLE), replacing(path) as part:
+        together = run is None and data.sizes["run"] > 1
+        figure = draw_batch(data) if together else draw_run(data, run or 0)
+        figure.savefig(part, dpi=200)
+    return path

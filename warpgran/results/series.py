@@ -1,0 +1,75 @@
+"""Where each series of the schema comes from: a scalar that the engines sample, or a function of those."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from warpgran.arrays import Array
+from warpgran.case.case import Case
+from warpgran.schema import SERIES
+from warpgran.solve.finished import SCALARS
+
+
+class Samples(NamedTuple):
+    """What the engines sample of some runs.
+
+    Attributes:
+        cases: Of the runs.
+        t: Of the samples [s], shape (samples,).
+        scalars: By the names of SCALARS, each (runs, samples).
+    """
+
+    cases: Sequence[Case]
+    t: Array
+    scalars: dict[str, Array]
+
+
+def front_speed(samples: Samples) -> Array:
+    """Front speed [m/s]: second-order differences of the samples; NaN of a single one."""
+    front = samples.scalars["front"]
+    return np.gradient(front, samples.t, axis=1) if samples.t.size > 1 else np.full_like(front, np.nan)
+
+
+def volume_change(samples: Samples) -> Array:
+    """Change of the volume thicker than h_front relative to the initial one [-]; NaN if that is 0."""
+    volume = np.array([_initial_volume(case) for case in samples.cases])[:, None]
+    return samples.scalars["volume"] / volume - 1.0
+
+
+def _initial_volume(case: Case) -> float:
+    """Volume per unit width [m2] of the cells that start thicker than h_front; NaN if there are none."""
+    h, _ = case.initial_state()
+    return float(h[h > case.scheme.h_front].sum() * case.dx) or float("nan")
+
+
+DERIVED: dict[str, Callable[[Samples], Array]] = {"front_speed": front_speed, "volume_change": volume_change}
+
+
+def check_sources() -> None:
+    """Make sure that every series of the schema has a source.
+
+    Raises:
+        NotImplementedError: One has none.
+    """
+    missing = [name for name in SERIES if name not in (*SCALARS, *DERIVED)]
+    if missing:
+        raise NotImplementedError(f"no engine samples the series {', '.join(missing)}, and no function computes it")
+
+
+def series(samples: Samples) -> dict[str, Array]:
+    """Every series of the schema by name, each (runs, samples)."""
+    return {name: DERIVED[name](samples) if name in DERIVED else samples.scalars[name] for name in SERIES}
+
+
+def stop_time(t: Array, v_flow: Array, rest_speed: float) -> float:
+    """First sample time [s] after which the speed stays below rest_speed [m/s]; NaN if it never does.
+
+    The initial state is at rest without having stopped: what counts is after the mass has moved.
+    """
+    moving = np.flatnonzero(~(v_flow < rest_speed))
+    if moving.size == 0 or moving[-1] == t.size - 1:
+        return float("nan")
+    return float(t[moving[-1] + 1])
