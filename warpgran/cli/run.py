@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -18,8 +17,9 @@ from warpgran.cli.terminal import RUNS, progress_bar
 from warpgran.errors import OptionError
 
 if TYPE_CHECKING:
+    from warpgran.arrays import Array
     from warpgran.run.options import Options
-    from warpgran.run.to_file import Compute
+    from warpgran.run.outcome import Compute
 
 
 def run(
@@ -50,9 +50,9 @@ def run(
     from warpgran.case.read_study import read_study
     from warpgran.results.reading import open_dataset
     from warpgran.run.options import Options
-    from warpgran.run.to_file import exit_status, run_to_file
+    from warpgran.run.to_file import run_to_file
 
-    how = Options(device, precision, engine, threads, bytes_of(memory))
+    how = Options(device=device, precision=precision, engine=engine, threads=threads, memory=bytes_of(memory))
     study = read_study(file, set_ or ())
     runs, infix = shard_of(shard, len(study))
     path = output or Path(f"{file.stem}{infix}.h5")
@@ -64,7 +64,7 @@ def run(
             find_devices(device)
     time_of_one = "t = {task.completed:.3f} of {task.total:g} s"
     amount, total = (time_of_one, study.base.time.end) if len(runs) == 1 else (RUNS, float(len(runs)))
-    with _where(cluster, how) as (how, compute), progress_bar(amount, total) as show:
+    with _computing(cluster, how) as compute, progress_bar(amount, total) as show:
 
         def progress(done: float) -> None:
             show(done / len(runs) * total, total, study.base.title or "computing")
@@ -80,19 +80,28 @@ def run(
 
 
 @contextmanager
-def _where(cluster: str | None, how: Options) -> Iterator[tuple[Options, Compute]]:
-    """How and by what blocks are computed: here, or on the workers of a scheduler."""
-    from warpgran.run.threads import compute as on_threads
-
+def _computing(cluster: str | None, how: Options) -> Iterator[Compute]:
+    """What computes: the threads of this machine, or the cluster of a scheduler."""
     if cluster is None:
-        yield how, on_threads
+        from warpgran.run import threads
+
+        yield threads.compute
         return
     if how.threads is not None:
         raise OptionError("threads: has no part with --cluster; allowed: --nthreads of dask worker")
     from warpgran.run.cluster import compute, connect, threads_of
 
     with connect(cluster) as client:
-        threads = threads_of(client)
-        if not threads:
+        if not threads_of(client):
             typer.echo(f"warpgran: {cluster} has no worker yet; waiting for one", err=True)
-        yield replace(how, threads=threads or None), partial(compute, client=client)
+        yield partial(compute, client=client)
+
+
+def exit_status(status: Array) -> int:
+    """0 if all runs ended as they should, 130 if any was interrupted, 1 if any ended otherwise."""
+    from warpgran.schema import Status
+
+    found = {Status(code) for code in set(status.tolist())}
+    if found & {Status.INTERRUPTED, Status.PENDING}:
+        return 130
+    return 0 if all(s.clean for s in found) else 1
