@@ -8,12 +8,14 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner, Result
 
 import warpgran as wg
+from warpgran.case import read_study
 from warpgran.cli.app import app
 from warpgran.schema import Status
 
@@ -171,6 +173,62 @@ def test_a_picture_that_cannot_be_made(folder: Path, change: str, words: str) ->
     assert result.exit_code == 2
     assert words in result.stderr
     assert names(folder) == ["quick.h5", "quick.toml"]
+
+
+KINDS = [getattr(wg, name) for name in wg.__all__ if isinstance(getattr(wg, name), type)]
+CAUSED_BY_A_USER = {
+    **{kind.__name__: kind.__new__(kind, "wrong") for kind in KINDS if issubclass(kind, wg.WarpgranError)},
+    "MemoryError": MemoryError("wrong"),
+}
+
+
+@pytest.mark.parametrize("error", CAUSED_BY_A_USER.values(), ids=CAUSED_BY_A_USER.keys())
+def test_what_a_user_can_cause_is_reported_in_a_line(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    monkeypatch.setattr(read_study, "read_study", raising(error))
+    result = warpgran("check", "quick.toml")
+    assert (result.exit_code, result.output) == (2, "warpgran: wrong\n")
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [(MemoryError(), "out of memory"), (OSError(5, "it is broken", "disk"), "[Errno 5] it is broken: 'disk'")],
+)
+def test_so_is_what_the_system_refuses(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, error: Exception, words: str
+) -> None:
+    monkeypatch.setattr(read_study, "read_study", raising(error))
+    result = warpgran("check", "quick.toml")
+    assert (result.exit_code, result.output) == (2, f"warpgran: {words}\n")
+
+
+def raising(error: Exception) -> Callable[..., None]:
+    def raise_(*arguments: object) -> None:
+        raise error
+
+    return raise_
+
+
+@pytest.mark.parametrize("error", [ValueError("ours"), KeyError("ours"), OSError("no file named")])
+def test_a_defect_keeps_its_traceback(folder: Path, monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
+    monkeypatch.setattr(read_study, "read_study", raising(error))
+    result = warpgran("check", "quick.toml")
+    assert (result.exit_code, result.exception, result.output) == (1, error, "")
+
+
+def test_python_prints_that_traceback(folder: Path) -> None:
+    code = (
+        "from warpgran.case import read_study\n"
+        "def read(*arguments): raise ValueError('ours')\n"
+        "read_study.read_study = read\n"
+        "from warpgran.cli.app import main\n"
+        "main()\n"
+    )
+    failed = subprocess.run([sys.executable, "-c", code, "check", "quick.toml"], capture_output=True, text=True)
+    assert failed.returncode == 1
+    assert failed.stderr.startswith("Traceback")
+    assert failed.stderr.endswith("ValueError: ours\n")
 
 
 def test_debug_shows_the_traceback(folder: Path) -> None:

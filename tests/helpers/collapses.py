@@ -116,3 +116,22 @@ def batch(samples: int = 100, diverged: tuple[int, ...] = (), **values: Any) -> 
         data["status"][run] = "diverged"
         data["stop_time"][run] = np.nan
     return data
+
+
+def by_hand() -> xr.Dataset:
+    """Three runs of four samples: one to the end, one that diverged, one that has nothing."""
+    series = {
+        "front": [[0.0, 0.2, 0.5, 0.4], [0.1, 0.3, np.nan, np.nan], [np.nan] * 4],
+        "h_max": [[0.14, 0.12, 0.1, 0.09], [0.14, 0.2, np.inf, np.nan], [np.nan] * 4],
+        "volume_change": [[0.0, 0.05, 0.04, -0.01], [0.0, -0.1, np.inf, np.nan], [np.nan] * 4],
+    }
+    variables: dict[str, Any] = {name: (("run", "sample"), np.array(values)) for name, values in series.items()}
+    flags = {"flag_values": np.array([0, 1, 3]), "flag_meanings": "ok diverged interrupted"}
+    variables |= {
+        "status": ("run", np.array([0, 1, 3]), flags),
+        "steps": ("run", np.array([900, 70, 0])),
+        "end_time": ("run", np.array([0.3, 0.14, 0.0])),
+        "stop_time": ("run", np.array([0.2, np.nan, np.nan])),
+    }
+    coordinates = {"slope.angle": ("run", [0.0, 10.0, 22.0]), "rheology.phi_eq": ("run", np.array(["f0", "f1", "f2"]))}
+    return xr.Dataset(variables, {"run": [4, 5, 6], **coordinates})

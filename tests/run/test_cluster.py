@@ -86,11 +86,11 @@ def once(act: Callable[[], None]) -> Callable[[float], None]:
 
 
 def test_a_cluster_changes_no_bit(client: Any, whole: xr.Dataset) -> None:
-    told: list[float] = []
-    data, outcome = computed(study(), client, progress=told.append)
+    done: list[float] = []
+    data, outcome = computed(study(), client, progress=done.append)
     assert_same(data, whole)
-    assert told == sorted(told)
-    assert told[-1] == RUNS
+    assert done == sorted(done)
+    assert done[-1] == RUNS
     assert 0.0 < outcome.kernel_seconds < outcome.wall_seconds
 
 
@@ -166,7 +166,7 @@ def test_blocks_hold_every_run_once_and_leave_none_idle() -> None:
     layout = Layout(study(), list(range(1, 16)))
     for room, most in ((cluster._Room(1e9, 1), 4), (cluster._Room(1e9, 2), 2), (cluster._Room(1e9, 100), 1)):
         blocks = cluster._blocks(layout, Options(), range(2, 15), room)
-        assert sorted(place for block in blocks for place in block) == list(range(2, 15))
+        assert sorted(run for block in blocks for run in block) == list(range(2, 15))
         assert max(map(len, blocks)) == most
     with pytest.raises(MemoryError):
         cluster._blocks(layout, Options(), range(15), cluster._Room(1e3, 1))

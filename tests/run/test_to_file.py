@@ -1,4 +1,4 @@
-"""A study computed into a file: killed, interrupted, gone on with, shared out; nothing is lost, and no bit differs."""
+"""A study computed into a file: killed, interrupted, resumed, in shards; nothing is lost, and no bit differs."""
 
 from __future__ import annotations
 
@@ -68,11 +68,11 @@ def test_the_order_of_runs_changes_no_bit(whole: xr.Dataset) -> None:
         np.testing.assert_array_equal(shuffled[name], whole[name][order])
 
 
-def stopping_after(runs: int) -> Any:
+def stopping_after(count: int) -> Any:
     """threads.compute, interrupted after so many runs."""
 
-    def compute(sink: Any, options: Options, places: Any, progress: Any) -> Any:
-        outcome = threads.compute(sink, options, places[:runs], progress)
+    def compute(sink: Any, options: Options, runs: Any, progress: Any) -> Any:
+        outcome = threads.compute(sink, options, runs[:count], progress)
         outcome.interrupted = True
         return outcome
 
@@ -88,9 +88,9 @@ def test_an_interrupted_study_goes_on(tmp_path: Path, whole: xr.Dataset) -> None
     np.testing.assert_array_equal(partial["h"][:5], whole["h"][:5])
     computed: list[int] = []
 
-    def counting(sink: Any, options: Options, places: Any, progress: Any) -> Any:
-        computed.extend(places)
-        return threads.compute(sink, options, places, progress)
+    def counting(sink: Any, options: Options, runs: Any, progress: Any) -> Any:
+        computed.extend(runs)
+        return threads.compute(sink, options, runs, progress)
 
     run_to_file(study(), path, Options(), resume=True, compute=counting)
     assert computed == list(range(5, 12))
@@ -143,8 +143,8 @@ def test_killed_again_and_again_it_loses_nothing(tmp_path: Path) -> None:
 def test_an_earlier_start_is_not_thrown_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "out.h5"
 
-    def failing(sink: Any, options: Options, places: Any, progress: Any) -> Any:
-        threads.compute(sink, options, places[:3], progress)
+    def failing(sink: Any, options: Options, runs: Any, progress: Any) -> Any:
+        threads.compute(sink, options, runs[:3], progress)
         raise RuntimeError
 
     with pytest.raises(RuntimeError):
@@ -222,10 +222,10 @@ def test_shards_of_other_studies_do_not_merge(tmp_path: Path) -> None:
 
 
 def test_two_do_not_write_to_one_file(tmp_path: Path) -> None:
-    def nested(sink: Any, options: Options, places: Any, progress: Any) -> Any:
+    def nested(sink: Any, options: Options, runs: Any, progress: Any) -> Any:
         with pytest.raises(StorageError, match="another process is writing it"):
             run_to_file(study(), tmp_path / "out.h5", Options(), resume=True)
-        return threads.compute(sink, options, places[:1], progress)
+        return threads.compute(sink, options, runs[:1], progress)
 
     run_to_file(study(), tmp_path / "out.h5", Options(), compute=nested)
 

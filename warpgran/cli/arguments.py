@@ -1,4 +1,4 @@
-"""Arguments and options that several commands share, and how their values are read."""
+"""Arguments and options that several commands share, and the parsers of option values."""
 
 from __future__ import annotations
 
@@ -9,37 +9,49 @@ import typer
 
 from warpgran.errors import OptionError
 
-FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Run file, TOML.")]
-
-
-ResultArgument = Annotated[Path, typer.Argument(metavar="OUT.h5", help="Result file.")]
-
-
-SetOption = Annotated[
+RunFile = Annotated[Path, typer.Argument(metavar="FILE", help="Run file, TOML.")]
+ResultFile = Annotated[Path, typer.Argument(metavar="OUT.h5", help="Result file.")]
+Set = Annotated[
     list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the run file; repeatable.")
 ]
+Device = Annotated[str, typer.Option(help="cpu, cuda or cuda:N.")]
+Devices = Annotated[str, typer.Option("--device", help="cpu, cuda, cuda:N, or several: cuda:0,cuda:1.")]
+Precision = Annotated[Literal["float64", "float32"], typer.Option(help="Floating-point precision of the kernels.")]
+Picture = Annotated[
+    Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write; default: beside the result.")
+]
+Folder = Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Folder to write to.")]
 
 
-PrecisionOption = Annotated[Literal["float64", "float32"], typer.Option(help="Of the kernels.")]
+def shard_of(text: str | None, runs: int) -> tuple[list[int], str]:
+    """Parse `--shard I/N`.
 
+    Args:
+        text: "I/N", or None for all runs.
+        runs: Number of runs of the study.
 
-OutputOption = Annotated[Path | None, typer.Option("-o", "--output", help="File to write; default: beside it.")]
+    Returns:
+        The runs of the shard, every N-th from I - 1 on, and the infix of its file name, ".I-of-N".
 
-
-def share_of(shard: str | None, runs: int) -> tuple[list[int], str]:
-    """The runs of a share, and what it adds to the file's name."""
-    if shard is None:
+    Raises:
+        OptionError: It is not I/N with 1 <= I <= N <= runs.
+    """
+    if text is None:
         return list(range(runs)), ""
-    first, _, of = shard.partition("/")
+    first, _, of = text.partition("/")
     if not (first.isdigit() and of.isdigit() and 1 <= int(first) <= int(of) <= runs):
         raise OptionError(
-            f"shard: {shard!r} is not a share; allowed: I/N with 1 <= I <= N <= {runs}, the number of runs"
+            f"shard: {text!r} is not a share; allowed: I/N with 1 <= I <= N <= {runs}, the number of runs"
         )
     return list(range(int(first) - 1, runs, int(of))), f".{int(first)}-of-{int(of)}"
 
 
 def bytes_of(text: str | None) -> float | None:
-    """A size such as 500MB, 4GB or 1.5GiB in bytes."""
+    """Parse `--memory SIZE`: "500MB", "4GB" or "1.5GiB" in bytes, with prefixes of powers of 1000.
+
+    Raises:
+        OptionError: It is not a size.
+    """
     if text is None:
         return None
     number = text.rstrip("BbIi").rstrip()

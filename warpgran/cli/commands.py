@@ -1,43 +1,19 @@
-"""Commands of a few lines: `check`, `info`, `summary` and `merge`."""
+"""Commands of a few lines: `info`, `summary` and `merge`."""
 
 from __future__ import annotations
 
-import math
 import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from warpgran.cli.arguments import FileArgument, PrecisionOption, ResultArgument, SetOption
-from warpgran.cli.told import least_steps, over, print_summary, size
-
-
-def check(file: FileArgument, precision: PrecisionOption = "float64", set_: SetOption = None) -> None:
-    """Check a run file and say what it asks for, without running it."""
-    from warpgran.case.read_study import read_study
-    from warpgran.results.layout import Layout
-    from warpgran.solve.state import bytes_of_run
-
-    study = read_study(file, set_ or ())
-    layout = Layout(study)
-    cell_steps = sum(least_steps(case) * case.grid.cells for case in study)
-    per_run = 8 * sum(math.prod(column.shape) for column in layout.columns.values())
-    case, outputs = study.base, layout.outputs
-    runs = "1 run" if len(study) == 1 else f"{len(study)} runs"
-    typer.echo(f"{file}: {case.title or 'untitled'}")
-    typer.echo(f"{runs}{over(study)}")
-    typer.echo(
-        f"{layout.cells} cells of {case.dx * 1e3:.4g} mm, t = {case.time.end:g} s, {least_steps(case)} steps or more"
-    )
-    typer.echo(f"{outputs.snapshots} snapshots and {outputs.samples} samples")
-    typer.echo(f"{cell_steps:.3g} cell-steps or more")
-    typer.echo(f"memory: {size(bytes_of_run(layout.cells, outputs, precision))} a run being computed")
-    typer.echo(f"file: {size(per_run * len(study))} before compression")
+from warpgran.cli.arguments import ResultFile
+from warpgran.cli.report import print_summary
 
 
 def info() -> None:
-    """Versions, devices, and where compiled kernels are kept."""
+    """Print versions, devices, and the folder of compiled kernels."""
     from importlib.metadata import version
 
     import warp as wp
@@ -57,10 +33,10 @@ def info() -> None:
 
 
 def summary(
-    file: ResultArgument,
-    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table, a row a run, for pandas or R.")] = None,
+    file: ResultFile,
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table as CSV, for pandas or R.")] = None,
 ) -> None:
-    """Print a table with a row a run."""
+    """Print a table of all runs: how each ended, run-out, height, dilation, stop time."""
     from warpgran.analysis.summary import summary, write_csv
     from warpgran.results.reading import open_dataset
 
@@ -73,9 +49,9 @@ def summary(
 
 def merge(
     output: Annotated[Path, typer.Argument(metavar="OUT.h5", help="File to write.")],
-    shards: Annotated[list[Path], typer.Argument(metavar="SHARD.h5...", help="Files that --shard wrote.")],
+    shards: Annotated[list[Path], typer.Argument(metavar="SHARD.h5...", help="Files written by run --shard.")],
 ) -> None:
-    """Join the shares of a study."""
+    """Merge the shards of a study into one result file."""
     from warpgran.results.merging import merge
 
     runs = merge(shards, output)

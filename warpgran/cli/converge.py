@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from warpgran.cli.arguments import FileArgument, PrecisionOption, SetOption
+from warpgran.cli.arguments import Device, Precision, RunFile, Set
+from warpgran.cli.terminal import stdout
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -15,23 +16,22 @@ if TYPE_CHECKING:
     from warpgran.studies.converge import Convergence
 
 WIDTH = 150
-"""Of the table where standard output is no terminal, characters."""
+"""Characters of the table where standard output is no terminal."""
 
 
 def converge(
-    file: FileArgument,
+    file: RunFile,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="PICTURE", help="Default: the run file's name, here.")
+        Path | None,
+        typer.Option("-o", "--output", metavar="PICTURE", help="Default: the run file's name, in this folder."),
     ] = None,
     levels: Annotated[int, typer.Option(help="Grids, from half the cells on, each with twice as many: 3 to 6.")] = 3,
-    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table, a row a quantity.")] = None,
-    device: Annotated[str, typer.Option(help="cpu, cuda or cuda:N.")] = "cpu",
-    precision: PrecisionOption = "float64",
-    set_: SetOption = None,
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table as CSV, a row per quantity.")] = None,
+    device: Device = "cpu",
+    precision: Precision = "float64",
+    set_: Set = None,
 ) -> None:
-    """Say how fine a grid must be: a run on half, the same and twice the cells, orders, limits and errors."""
-    from rich.console import Console
-
+    """Measure how fine a grid must be: a run on half, the same and twice the cells, orders, limits and errors."""
     from warpgran.case.read_study import read_study
     from warpgran.errors import OptionError
     from warpgran.figures.style import PLOT_SUFFIXES, checked
@@ -49,8 +49,7 @@ def converge(
     found = converge(study.base, levels=levels, options=Options(device, precision))
     if study.base.title:
         typer.echo(study.base.title)
-    terminal = Console()
-    Console(width=terminal.width if terminal.is_terminal else WIDTH).print(_table(found))
+    stdout(WIDTH).print(_table(found))
     typer.echo(found.verdict())
     written = [str(found.draw(path))]
     if csv:

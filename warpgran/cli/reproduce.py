@@ -1,37 +1,33 @@
-"""`warpgran reproduce`, as the command line has it."""
+"""The command `warpgran reproduce`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
+from warpgran.cli.arguments import Devices, Folder, Precision, Set
+from warpgran.cli.terminal import progress_bar
 from warpgran.errors import OptionError
 
 
 def reproduce(
-    figures: Annotated[
-        list[str] | None, typer.Argument(metavar="[FIGURE]...", help="fig02 to fig25; default: all.")
-    ] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where to write.")] = Path("paper"),
+    figures: Annotated[list[str] | None, typer.Argument(metavar="FIGURE", help="fig02 to fig25; default: all.")] = None,
+    output: Folder = Path("paper"),
     data: Annotated[
-        Path | None, typer.Option("--data", metavar="FOLDER", help="Laboratory measurements to lay over the figures.")
+        Path | None, typer.Option("--data", metavar="FOLDER", help="Laboratory measurements to plot over the figures.")
     ] = None,
     runs: Annotated[
         Path | None, typer.Option("--runs", metavar="FOLDER", help="Run files to use instead of those that ship.")
     ] = None,
     setting: Annotated[
-        str, typer.Option(metavar="NAME", help="What is drawn: defaults, paper_form, defaults_2x, ...: docs/paper.md.")
+        str, typer.Option(metavar="NAME", help="Setting of the figures: defaults, paper_form, ...: docs/paper.md.")
     ] = "defaults",
-    claims: Annotated[bool, typer.Option("--claims/--no-claims", help="Judge what the paper states.")] = True,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key of every run file; repeatable.")
-    ] = None,
-    device: Annotated[str, typer.Option(help="cpu, cuda, cuda:N, or several: cuda:0,cuda:1.")] = "cpu",
-    precision: Annotated[Literal["float64", "float32"], typer.Option(help="Of the kernels.")] = "float64",
+    claims: Annotated[bool, typer.Option("--claims/--no-claims", help="Judge the claims of the paper.")] = True,
+    set_: Set = None,
+    device: Devices = "cpu",
+    precision: Precision = "float64",
 ) -> None:
     """Compute the paper's figures and judge its claims: a folder of pictures, claims.csv and one HTML page."""
     from warpgran.paper.catalogue import chosen
@@ -52,30 +48,9 @@ def reproduce(
     start_quietly()
     find_devices(device)
     try:
-        with _progress() as (progress, tell):
-            page = reproduce(plan, progress, tell)
+        with progress_bar() as show:
+            page = reproduce(plan, lambda name, runs, done: show(done, runs, name), print)
     except KeyboardInterrupt:
-        typer.echo("warpgran: interrupted; what was computed is kept, start again to go on", err=True)
+        typer.echo("warpgran: interrupted; what was computed is kept, start again to resume", err=True)
         raise typer.Exit(130) from None
     typer.echo(f"wrote {page}")
-
-
-@contextmanager
-def _progress() -> Iterator[tuple[Callable[[str, int, float], None], Callable[[str], None]]]:
-    """A progress bar on standard error for what is being computed, and lines on standard output for what is done."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:.0f} of {task.total:.0f} runs"),
-    )
-    with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as bar:
-        task = bar.add_task("preparing", total=1)
-
-        def show(name: str, runs: int, done: float) -> None:
-            bar.update(task, description=name, total=runs, completed=done)
-
-        yield show, typer.echo

@@ -12,12 +12,7 @@ from rich.table import Table
 
 from warpgran.arrays import Array
 
-WIDTH = 100  # of the printed table where none is asked for, characters
-
-
-GAP = 2  # between its columns, characters
-
-
+GAP = 2  # between columns, characters
 PRINTED = {  # columns with a unit: heading, SI unit; fractions are printed in %
     "end_time": ("end", "s"),
     "run_out": ("run-out", "m"),
@@ -29,7 +24,7 @@ PRINTED = {  # columns with a unit: heading, SI unit; fractions are printed in %
 }
 
 
-def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = WIDTH) -> Table:
+def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Table:
     """A summary for the terminal: lengths in cm where they are below 1 m.
 
     Args:

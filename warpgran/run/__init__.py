@@ -1,1 +1,1 @@
-"""A study from its cases to its results."""
+"""Computing a study: on the threads of this machine or on a cluster, in memory or into a file."""

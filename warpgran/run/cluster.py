@@ -1,18 +1,15 @@
-"""A study on many machines: each block of its runs is a task of a dask.distributed cluster.
+"""Blocks of a study computed by the workers of a dask.distributed cluster, a task a block.
 
-Scheduling, and computing again what a lost worker had, are the cluster's; here blocks are cut, a bounded number of
-them is kept in flight, and rows are stored by the submitting process alone, as they arrive.
+The cluster schedules, and computes again what a lost worker had. Here blocks are cut, a bounded number of them is kept
+in flight, and rows are stored by the submitting process alone, as they arrive.
 """
 
 from __future__ import annotations
 
-import threading
 import time
-from collections.abc import Callable, Sequence
-from contextlib import nullcontext, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
-from functools import cache
-from importlib.metadata import version
 from itertools import islice
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,9 +19,8 @@ from warpgran.errors import WarpgranError
 from warpgran.results.layout import Layout
 from warpgran.run.interrupt import interruptible
 from warpgran.run.options import Options
-from warpgran.run.outcome import Outcome, Sink, account
-from warpgran.solve.engines import run_kernels, run_reference
-from warpgran.solve.finished import Finished
+from warpgran.run.outcome import Outcome, Progress, Sink, store
+from warpgran.run.worker import check_in, run_block, versions
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -38,10 +34,11 @@ LARGEST = 2**28
 RETRIES = 2
 """How often a block that raised is tried again. Lost workers count apart, in the scheduler's allowed-failures."""
 RECOUNT = 5.0
-"""Seconds between two looks at how many workers there are."""
-_NAMED = 8
-_gpu = threading.Lock()
-"""Held by the thread of a worker that uses its GPU: what others launched would become part of the graph it records."""
+"""Seconds between two questions how many workers there are."""
+POLL = 0.2
+"""Seconds between two calls of progress while no block ends."""
+NAMED = 8
+"""Most runs that an error names."""
 
 
 class ClusterError(WarpgranError, OSError):
@@ -78,12 +75,12 @@ def threads_of(client: Client) -> int:
 def compute(
     sink: Sink,
     options: Options,
-    places: Sequence[int],
-    progress: Callable[[float], None] = lambda runs: None,
+    runs: Sequence[int],
+    progress: Progress = lambda runs: None,
     *,
     client: Client,
 ) -> Outcome:
-    """Compute runs of a study on a cluster; else as `run.threads.compute`, whose bits it gives.
+    """Compute runs of a study on a cluster, with the bits of `threads.compute`; see `run.outcome.Compute`.
 
     It begins when there is a worker, and uses workers that come later. A worker that dies costs its blocks, which
     others compute again. Ctrl-C keeps what has arrived; blocks that workers have begun they end, for nothing.
@@ -92,17 +89,17 @@ def compute(
         sink: Where results go.
         options: How to compute. The device is the workers', memory is that of one worker process, and threads have no
             part: every thread of every worker is used.
-        places: Which of `sink.layout.runs` to compute.
-        progress: Told now and then how many runs are done.
-        client: Of the cluster, not an asynchronous one.
+        runs: Numbers of the runs.
+        progress: Called with the number of runs done.
+        client: Client of the cluster, not an asynchronous one.
 
     Raises:
         ClusterError: A block failed on a worker, or the scheduler is gone. What has arrived is in the sink.
     """
     began = time.perf_counter()
     options = replace(options, threads=1)
-    outcome, layout, done = Outcome(), sink.layout, 0
-    blocks = iter(_blocks(layout, options, places, _room(client, options)) if len(places) else ())
+    outcome, study, done = Outcome(), sink.layout.study, 0
+    blocks = iter(_blocks(sink.layout, options, runs, _room(client, options)) if len(runs) else ())
     threads = _Threads(client)
     flight: dict[str, _Flight] = {}
     ready: SimpleQueue[Future] = SimpleQueue()
@@ -111,26 +108,26 @@ def compute(
         try:
             while True:
                 free = 0 if interrupted() else AHEAD * threads.now() - len(flight)
-                for at in islice(blocks, max(0, free)):
-                    cases = [layout.study[int(layout.runs[place])] for place in at]
+                for block in islice(blocks, max(0, free)):
+                    cases = [study[run] for run in block]
                     future = client.submit(run_block, cases, options, versions(), pure=False, retries=RETRIES)
-                    flight[future.key] = _Flight(future, at, cases)
+                    flight[future.key] = _Flight(future, block, cases)
                     future.add_done_callback(ready.put)
                 if not flight or (interrupted() and ready.empty()):
                     break
                 with suppress(Empty):
-                    future = ready.get(timeout=0.2)
-                    block = flight[future.key]
-                    finished = _result(future, _numbers(layout, block.at))
+                    future = ready.get(timeout=POLL)
+                    _, block, cases = flight[future.key]
+                    finished = _result(future, _numbers(block))
                     del flight[future.key]
-                    sink.put(block.at, layout.rows(block.cases, finished))
-                    account(outcome, layout, block.at, block.cases, finished)
-                    done += len(block.at)
+                    store(sink, outcome, block, cases, finished)
+                    done += len(block)
                 progress(done)
         finally:
             if client.status == "running":
                 client.cancel([future for future, _, _ in flight.values()])
         outcome.interrupted = interrupted()
+    outcome.threads = threads.most
     outcome.kernel_seconds /= threads.most
     outcome.wall_seconds = time.perf_counter() - began
     return outcome
@@ -140,19 +137,19 @@ class _Flight(NamedTuple):
     """A block that is being computed."""
 
     future: Future
-    at: Sequence[int]
+    runs: tuple[int, ...]
     cases: list[Case]
 
 
 class _Room(NamedTuple):
-    """What there is for blocks: bytes for each thread of a worker, and threads."""
+    """Memory of each thread of a worker, in bytes, and threads of all workers."""
 
     bytes: float
     threads: int
 
 
 class _Threads:
-    """How many threads the workers have, asked at intervals; at least one, so that a worker to come finds work."""
+    """Number of threads of the workers, asked at intervals; at least one, so that a worker to come finds work."""
 
     def __init__(self, client: Client) -> None:
         self._client = client
@@ -160,66 +157,13 @@ class _Threads:
         self._now = self.most = 1
 
     def now(self) -> int:
-        """Threads at the last look."""
+        """Threads at the last question."""
         if time.monotonic() > self._asked + RECOUNT:
-            with suppress(OSError):  # a scheduler that is gone: the futures tell
+            with suppress(OSError):  # the scheduler is gone, which the futures report
                 self._now = max(1, threads_of(self._client))
             self.most = max(self.most, self._now)
             self._asked = time.monotonic()
         return self._now
-
-
-# On the workers
-
-
-def run_block(cases: list[Case], options: Options, submitter: tuple[str, str]) -> Finished:
-    """Compute a block of runs of one variant in this process.
-
-    Args:
-        cases: The runs.
-        options: How to compute.
-        submitter: `versions` of the process that asked.
-
-    Raises:
-        ValueError: The versions differ, or the device is not there.
-    """
-    check_in(options, submitter)
-    if options.engine == "numpy":
-        return run_reference(cases, lambda t: True)
-    from warpgran.solve.solver import Solver
-
-    with nullcontext() if options.device == "cpu" else _gpu:
-        solver = Solver.holding(cases, precision_name=options.precision, device=options.device)
-        return run_kernels(solver, cases, lambda t: True)
-
-
-def check_in(options: Options, submitter: tuple[str, str]) -> float:
-    """Make sure that this process can compute what the submitter would.
-
-    Returns:
-        Bytes that the runs may take here.
-
-    Raises:
-        ValueError: The versions differ, or the device is not there.
-    """
-    if versions() != submitter:
-        here, there = (f"warpgran {package} with Warp {warp}" for package, warp in (versions(), submitter))
-        raise ValueError(f"the worker has {here}, the submitting machine {there}")
-    if options.engine == "numpy":
-        return 0.0
-    from warpgran.solve.device import find_device
-
-    find_device(options.device)
-    return options.bytes
-
-
-@cache
-def versions() -> tuple[str, str]:
-    """Versions of warpgran and of Warp, on which the bits depend."""
-    return version("warpgran"), version("warp-lang")
-
-
-# On the submitting machine
 
 
 def _room(client: Client, options: Options) -> _Room:
@@ -233,23 +177,22 @@ def _room(client: Client, options: Options) -> _Room:
     return _Room(memory / max(threads, default=1), max(1, sum(threads)))
 
 
-def _blocks(layout: Layout, options: Options, places: Sequence[int], room: _Room) -> list[tuple[int, ...]]:
-    """The places of each block: what one thread has memory for, and no more than gives every thread its share."""
+def _blocks(layout: Layout, options: Options, runs: Sequence[int], room: _Room) -> list[tuple[int, ...]]:
+    """The runs of each block: what one thread has memory for, and no more than gives every thread its share."""
     if options.engine == "numpy":
-        return [(place,) for place in places]
+        return [(run,) for run in runs]
     from warpgran.solve.blocks import plan
 
     on_cpu = options.device == "cpu"
-    place_of = {int(layout.runs[place]): place for place in places}
-    planned = plan(layout.study, list(place_of), layout.outputs, options.precision,
+    planned = plan(layout.study, runs, layout.outputs, options.precision,
                    on_cpu=on_cpu, threads=1, memory=room.bytes)  # fmt: skip
-    share = -(-len(places) // (room.threads * (BALANCE if on_cpu else 1)))
+    share = -(-len(runs) // (room.threads * (BALANCE if on_cpu else 1)))
     blocks = []
     for block in planned:
         profiles = 3 * 8 * layout.outputs.snapshots * block.padded
-        runs = max(1, min(share, LARGEST // max(1, profiles)))
-        blocks += [block.runs[first : first + runs] for first in range(0, len(block.runs), runs)]
-    return [tuple(place_of[run] for run in block) for block in blocks]
+        most = max(1, min(share, LARGEST // max(1, profiles)))
+        blocks += [block.runs[first : first + most] for first in range(0, len(block.runs), most)]
+    return blocks
 
 
 def _result(future: Future, who: str) -> Any:
@@ -267,8 +210,7 @@ def _result(future: Future, who: str) -> Any:
         raise ClusterError(f"cluster: {who}: {said}") from error
 
 
-def _numbers(layout: Layout, at: Sequence[int]) -> str:
-    """The runs at these places in words."""
-    runs = [int(layout.runs[place]) for place in at]
-    more = f" and {len(runs) - _NAMED} more" if len(runs) > _NAMED else ""
-    return f"run{'s' if len(runs) > 1 else ''} {', '.join(map(str, runs[:_NAMED]))}{more}"
+def _numbers(runs: Sequence[int]) -> str:
+    """Runs in words."""
+    more = f" and {len(runs) - NAMED} more" if len(runs) > NAMED else ""
+    return f"run{'s' if len(runs) > 1 else ''} {', '.join(map(str, runs[:NAMED]))}{more}"

@@ -1,4 +1,4 @@
-"""Ctrl-C as a question that is asked between blocks."""
+"""Ctrl-C recorded instead of raised, so that runs under way are kept."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from contextlib import contextmanager
 
 @contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
-    """Within the block Ctrl-C is remembered instead of raised; a second one is raised.
+    """Within the block the first Ctrl-C is recorded; a second one is raised. Only in the main thread.
 
-    Yields a function that tells whether it was pressed. Elsewhere than in the main thread nothing changes.
+    Yields:
+        A function that returns whether Ctrl-C was pressed.
     """
     pressed = threading.Event()
 

@@ -1,4 +1,4 @@
-"""How a study is computed: device, precision, engine, threads, memory."""
+"""Options of a computation: device, precision, engine, threads, memory."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from typing import Literal
 from warpgran.errors import OptionError
 
 Precision = Literal["float64", "float32"]
-
-
 EngineName = Literal["warp", "numpy"]
+DECISIVE = ("precision", "engine")
+"""Options on which the bits of a result depend, as they do on the kind of device; a resumed file must share them."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How to compute.
+    """How to compute. A new option stands here, in cli/run.py and where it is used.
 
     Attributes:
         device: "cpu", "cuda", "cuda:N", or several of a kind with commas between, which share the blocks.
         precision: "float64" or "float32".
         engine: "warp", or "numpy" for the reference implementation.
-        threads: Blocks at once; all cores by default. A GPU has one.
+        threads: Blocks computed at once; all cores by default. A GPU has one.
         memory: Bytes for the runs being computed; a quarter of the machine's, or of the GPUs', by default.
     """
 
@@ -46,7 +46,7 @@ class Options:
 
     @property
     def devices(self) -> tuple[str, ...]:
-        """The devices, one after another."""
+        """Names of the devices."""
         return tuple(name.strip() for name in self.device.split(","))
 
     @property

@@ -1,8 +1,8 @@
-"""What a computation reports beside its results, and where the results go."""
+"""The interface between a computation and its caller: what computes, where results go, and what is reported."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -11,55 +11,69 @@ import numpy as np
 from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.results.layout import Layout
-from warpgran.run.options import Options
+from warpgran.run.options import DECISIVE, Options
 from warpgran.solve.finished import Finished
+
+Progress = Callable[[float], None]
+"""Called now and then with the number of runs done, parts of runs included."""
 
 
 class Sink(Protocol):
-    """Where results go."""
+    """Where results go: `results.in_memory.MemoryResults` or `results.part_file.PartFile`."""
 
     layout: Layout
 
     def put(self, at: Sequence[int], rows: Mapping[str, Array]) -> None:
-        """Store rows of `Layout.rows` at these places."""
+        """Store rows of `Layout.rows` at these places of `layout.runs`."""
 
 
 @dataclass
 class Outcome:
-    """What there is to tell of a computation.
+    """What a computation reports beside its results.
 
     Attributes:
         interrupted: Whether Ctrl-C ended it.
-        failures: Words for each run that diverged, by its number in the study.
+        failures: How each run that diverged did so, by its number in the study.
+        threads: Threads that computed.
         cell_steps: Sum over runs of steps times cells.
-        kernel_seconds: Of the time loops, averaged over the threads.
-        wall_seconds: Of all.
+        kernel_seconds: Time loops alone, averaged over the threads.
+        wall_seconds: The whole computation.
     """
 
     interrupted: bool = False
     failures: dict[int, str] = field(default_factory=dict)
+    threads: int = 0
     cell_steps: int = 0
     kernel_seconds: float = 0.0
     wall_seconds: float = 0.0
 
 
-def attributes(options: Options, outcome: Outcome) -> dict[str, Any]:
-    """Attributes of a result that tell how it was computed."""
-    return {
-        "device": options.device,
-        "precision": options.precision,
-        "engine": options.engine,
-        "threads": options.workers,
-        "cell_steps": outcome.cell_steps,
-        "kernel_seconds": outcome.kernel_seconds,
-        "wall_seconds": outcome.wall_seconds,
-    }
+class Compute(Protocol):
+    """What computes: `threads.compute`, or `cluster.compute` with its client."""
+
+    def __call__(self, sink: Sink, options: Options, runs: Sequence[int], progress: Progress, /) -> Outcome:
+        """Compute runs of `sink.layout.study` and store them in the sink as they end.
+
+        Args:
+            sink: Where results go.
+            options: How to compute.
+            runs: Numbers of the runs in the study, each one of `sink.layout.runs`.
+            progress: Called with the number of runs done.
+        """
 
 
-def account(outcome: Outcome, layout: Layout, at: Sequence[int], cases: Sequence[Case], finished: Finished) -> None:
-    """Add a block that has ended to what there is to tell."""
+def store(sink: Sink, outcome: Outcome, runs: Sequence[int], cases: Sequence[Case], finished: Finished) -> None:
+    """Hand a block that has ended to the sink, and count it in the outcome."""
+    layout = sink.layout
+    sink.put(np.searchsorted(layout.runs, runs).tolist(), layout.rows(cases, finished))
     cells = np.array([case.grid.cells for case in cases])
     outcome.cell_steps += int((finished.steps * cells).sum())
     outcome.kernel_seconds += finished.seconds
-    for r, failure in finished.failures.items():
-        outcome.failures[int(layout.runs[at[r]])] = str(failure)
+    outcome.failures |= {runs[r]: str(failure) for r, failure in finished.failures.items()}
+
+
+def attributes(options: Options, outcome: Outcome) -> dict[str, Any]:
+    """Attributes of a result that say how it was computed."""
+    measured = ("threads", "cell_steps", "kernel_seconds", "wall_seconds")
+    decided = {name: getattr(options, name) for name in ("device", *DECISIVE)}
+    return decided | {name: getattr(outcome, name) for name in measured}

@@ -1,18 +1,18 @@
-"""A study from its initial states to its end: blocks on threads, interruption, results as they come."""
+"""`wg.simulate`: cases in, a labelled dataset out."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from warpgran.case.case import Case
 from warpgran.case.study import Study
 from warpgran.results.in_memory import MemoryResults
 from warpgran.results.layout import Layout
+from warpgran.run import threads as on_threads
 from warpgran.run.options import EngineName, Options, Precision
-from warpgran.run.outcome import attributes
-from warpgran.run.threads import compute
+from warpgran.run.outcome import Compute, attributes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +36,7 @@ def simulate(
         precision: "float64" or "float32".
         engine: "warp", or "numpy" for the reference implementation.
         threads: Blocks of runs computed at once; all cores by default. A GPU has one.
-        client: Of a dask cluster, whose workers compute instead of this machine; threads then has no part.
+        client: Client of a dask cluster, whose workers compute instead of this machine; threads then has no part.
 
     Returns:
         Thickness, velocity and volume fraction (run, time, cell) and the series (run, sample), in SI units with their
@@ -51,14 +51,13 @@ def simulate(
     """
     study = Study.of([cases] if isinstance(cases, Case) else cases)
     options = Options(device, precision, engine, threads)
-    sink = MemoryResults(Layout(study))
-    if client is None:
-        outcome = compute(sink, options, range(len(study)))
-    else:
+    compute: Compute = on_threads.compute
+    if client is not None:
         from warpgran.run import cluster
 
-        options = replace(options, threads=cluster.threads_of(client) or None)
-        outcome = cluster.compute(sink, options, range(len(study)), client=client)
+        compute = partial(cluster.compute, client=client)
+    sink = MemoryResults(Layout(study))
+    outcome = compute(sink, options, range(len(study)), lambda runs: None)
     if outcome.interrupted:
         raise KeyboardInterrupt
     return sink.to_dataset(**attributes(options, outcome))

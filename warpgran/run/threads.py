@@ -1,20 +1,20 @@
-"""Blocks of a study computed on the threads of this machine."""
+"""Blocks of a study computed on the threads of this machine, each thread on its device."""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from warpgran.case.case import Case
 from warpgran.errors import OptionError
 from warpgran.results.layout import Layout
 from warpgran.run.interrupt import interruptible
 from warpgran.run.options import Options
-from warpgran.run.outcome import Outcome, Sink, account
+from warpgran.run.outcome import Outcome, Progress, Sink, store
 from warpgran.solve.engines import run_kernels, run_reference
 from warpgran.solve.finished import Finished
 
@@ -22,73 +22,72 @@ if TYPE_CHECKING:
     from warpgran.solve.blocks import Block
     from warpgran.solve.solver import Solver
 
+POLL = 0.2
+"""Seconds between two calls of progress while no block ends."""
 
-def compute(
-    sink: Sink, options: Options, places: Sequence[int], progress: Callable[[float], None] = lambda runs: None
-) -> Outcome:
-    """Compute runs of a study and hand each block of them to the sink as it ends.
 
-    Ctrl-C is heard at the next look at the clock, a fraction of a second later: runs under way are handed over as far
-    as they are, with the status interrupted. A sink that fails ends the computation.
+def compute(sink: Sink, options: Options, runs: Sequence[int], progress: Progress = lambda runs: None) -> Outcome:
+    """Compute runs of a study and store each block of them as it ends; see `run.outcome.Compute`.
 
-    Args:
-        sink: Where results go.
-        options: How to compute.
-        places: Which of `sink.layout.runs` to compute.
-        progress: Told now and then how many runs are done, parts of runs included.
+    Ctrl-C is seen at the next call of `go_on`, a fraction of a second later: runs under way are stored as far as they
+    are, with the status interrupted. A sink that fails ends the computation.
+
+    Raises:
+        OptionError: More or fewer threads than the devices allow.
+        DeviceError: No such device.
+        MemoryError: A single run takes more than the memory.
     """
-    outcome = Outcome()
     began = time.perf_counter()
     layout = sink.layout
     end = layout.outputs.times[-1]
-    blocks = _blocks(layout, options, places)
+    blocks = _blocks(layout, options, runs)
+    workers = _Workers(options, layout)
+    outcome = Outcome(threads=options.workers)
     done: dict[int, float] = {}
+    stop = threading.Event()
 
-    with interruptible() as interrupted:
-        stop = threading.Event()
-        workers = _Workers(options, layout)
+    def work(n: int) -> tuple[Sequence[int], list[Case], Finished]:
+        numbers, block = blocks[n]
+        if stop.is_set():
+            raise _StoppedError
+        cases = [layout.study[run] for run in numbers]
 
-        def work(n: int) -> tuple[Sequence[int], list[Case], Finished]:
-            at = blocks[n][0]
-            cases = [layout.study[int(layout.runs[place])] for place in at]
+        def go_on(t: float) -> bool:
+            done[n] = len(numbers) * t / end
+            return not stop.is_set()
 
-            def go_on(t: float) -> bool:
-                done[n] = len(at) * t / end
-                return not stop.is_set()
+        solver = workers.solver(block) if block else None
+        return numbers, cases, run_kernels(solver, cases, go_on) if solver else run_reference(cases, go_on)
 
-            if stop.is_set():
-                raise _StoppedError
-            solver = workers.solver(blocks[n][1])
-            return at, cases, run_kernels(solver, cases, go_on) if solver else run_reference(cases, go_on)
-
-        with ThreadPoolExecutor(min(options.workers, max(1, len(blocks)))) as pool:
-            futures = {pool.submit(work, n): n for n in range(len(blocks))}
-            try:
-                waiting: set[Future[Any]] = set(futures)
-                while waiting:
-                    ready, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
-                    if interrupted():
-                        stop.set()
-                    for future in ready:
-                        if isinstance(future.exception(), _StoppedError):
-                            continue
-                        at, cases, finished = future.result()
-                        sink.put(at, layout.rows(cases, finished))
-                        account(outcome, layout, at, cases, finished)
-                        done[futures.pop(future)] = float(len(at))
-                    progress(sum(done.copy().values()))
-            finally:
-                stop.set()
+    at_once = min(options.workers, max(1, len(blocks)))
+    with interruptible() as interrupted, ThreadPoolExecutor(at_once) as pool:
+        futures = {pool.submit(work, n): n for n in range(len(blocks))}
+        waiting: set[Future[tuple[Sequence[int], list[Case], Finished]]] = set(futures)
+        try:
+            while waiting:
+                ready, waiting = wait(waiting, timeout=POLL, return_when=FIRST_COMPLETED)
+                if interrupted():
+                    stop.set()
+                for future in ready:
+                    n = futures.pop(future)  # lets go of the results once they are stored
+                    if isinstance(future.exception(), _StoppedError):
+                        continue
+                    numbers, cases, finished = future.result()
+                    store(sink, outcome, numbers, cases, finished)
+                    done[n] = float(len(numbers))
+                progress(sum(done.copy().values()))
+        finally:
+            stop.set()
         outcome.interrupted = interrupted()
-    outcome.kernel_seconds /= min(options.workers, max(1, len(blocks)))
+    outcome.kernel_seconds /= at_once
     outcome.wall_seconds = time.perf_counter() - began
     return outcome
 
 
-def _blocks(layout: Layout, options: Options, places: Sequence[int]) -> list[tuple[tuple[int, ...], Block | None]]:
-    """The places of each block, and what its solver must be; no solver for the reference."""
+def _blocks(layout: Layout, options: Options, runs: Sequence[int]) -> list[tuple[Sequence[int], Block | None]]:
+    """The runs of each block, and the block that its solver must fit; None for the reference."""
     if options.engine == "numpy":
-        return [((place,), None) for place in places]
+        return [((run,), None) for run in runs]
     from warpgran.solve.blocks import plan
     from warpgran.solve.device import find_devices
 
@@ -98,14 +97,13 @@ def _blocks(layout: Layout, options: Options, places: Sequence[int]) -> list[tup
         raise OptionError(
             f"threads: {options.workers} for {len(devices)} devices; allowed: one for each, more on the cpu"
         )
-    place_of = {int(layout.runs[place]): place for place in places}
-    planned = plan(layout.study, list(place_of), layout.outputs, options.precision, on_cpu=on_cpu,
+    planned = plan(layout.study, runs, layout.outputs, options.precision, on_cpu=on_cpu,
                    threads=options.workers, memory=options.bytes)  # fmt: skip
-    return [(tuple(place_of[run] for run in block.runs), block) for block in planned]
+    return [(block.runs, block) for block in planned]
 
 
 class _StoppedError(Exception):
-    """A block that was not begun."""
+    """A block that was not begun, since the computation ends."""
 
 
 class _Workers:
@@ -123,10 +121,8 @@ class _Workers:
         name: str = self._kept.device
         return name
 
-    def solver(self, block: Block | None) -> Solver | None:
-        """A solver for a block; None if the reference is to compute it."""
-        if block is None:
-            return None
+    def solver(self, block: Block) -> Solver:
+        """A solver for a block."""
         from warpgran.solve.solver import Solver
 
         shape = block.room, block.padded, block.variant

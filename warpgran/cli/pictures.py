@@ -1,4 +1,4 @@
-"""The commands that draw: `plot` and `animate`."""
+"""The commands `warpgran plot` and `warpgran animate`, and the picture of `warpgran run`."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from warpgran.cli.arguments import OutputOption, ResultArgument
+from warpgran.cli.arguments import Picture, ResultFile
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 def plot(
-    file: ResultArgument,
-    output: OutputOption = None,
+    file: ResultFile,
+    output: Picture = None,
     run: Annotated[int | None, typer.Option("--run", min=0, help="One run of a batch; default: all together.")] = None,
 ) -> None:
-    """Draw one run (profiles at the snapshots, series beside them), or a batch against what was swept."""
+    """Plot one run (profiles at the snapshots, time series), or a batch (results over the swept keys)."""
     from warpgran.results.reading import open_dataset
 
     made = draw(open_dataset(file), output or file.with_suffix(".png"), run)
@@ -26,12 +26,12 @@ def plot(
 
 
 def animate(
-    file: ResultArgument,
-    output: OutputOption = None,
+    file: ResultFile,
+    output: Picture = None,
     run: Annotated[int, typer.Option("--run", min=0, help="Which run of the file.")] = 0,
-    fps: Annotated[int, typer.Option(min=1, max=60, help="Snapshots shown a second.")] = 12,
+    fps: Annotated[int, typer.Option(min=1, max=60, help="Snapshots per second.")] = 12,
 ) -> None:
-    """Draw the collapse on its slope, coloured by the volume fraction, as a film (GIF or MP4) of the snapshots."""
+    """Animate the snapshots of a run on its slope, coloured by volume fraction, as GIF or MP4."""
     from warpgran.figures.animation import animate
     from warpgran.results.reading import open_dataset
 
@@ -47,6 +47,6 @@ def draw(data: xr.Dataset, path: Path, run: int | None) -> Path:
 
 
 def worth_drawing(data: xr.Dataset) -> bool:
-    """Whether there is a sample or a snapshot of some run."""
+    """Whether any run has a sample or a snapshot."""
     reached = data["end_time"].max()
     return bool(data["front"].notnull().any() or (data["time"] <= reached).any())

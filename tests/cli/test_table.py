@@ -1,0 +1,63 @@
+"""The summary as the terminal shows it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from helpers.collapses import batch, by_hand
+from rich.console import Console
+
+from warpgran.analysis.summary import summary
+from warpgran.cli.table import rich_table
+
+
+def printed(frame: pd.DataFrame, **options: Any) -> list[str]:
+    """The lines of the printed table, without what fills them up."""
+    console = Console(width=options.get("width", 100))
+    with console.capture() as capture:
+        console.print(rich_table(frame, **options))
+    return [line.rstrip() for line in capture.get().splitlines()]
+
+
+def test_table_says_lengths_in_cm_and_changes_in_percent() -> None:
+    lines = printed(summary(by_hand()))
+    assert lines[0].split() == "run slope. rheology. status end steps run-out front max h dilation volume stop".split()
+    assert lines[1].split() == "angle phi_eq (s) (cm) (cm) (cm) (%) (%) (s)".split()
+    assert lines[2].split() == "4 0 f0 ok 0.3 900 40.00 40.00 9.00 +5.00 -1.00 0.2".split()
+    assert lines[3].split() == "5 10 f1 diverged 0.14 70 20.00 30.00 20.00 +0.00 -10.00 -".split()
+    assert lines[4].split() == "6 22 f2 interrupted 0 0 - - - - - -".split()
+    assert lines[5] == "1 ok, 1 diverged, 1 interrupted"
+
+
+def test_table_says_long_lengths_in_m_and_stands_a_run_that_blew_up() -> None:
+    frame = summary(batch(slope__angle=[0.0, 1.0, 2.0]))
+    frame["front"] = [1.5, 2.25, 1e30]
+    frame["h_max"] = [0.1, 0.2, 1e30]
+    lines = [line.split() for line in printed(frame)]
+    front, h_max = lines[0].index("front"), lines[0].index("max")
+    assert [line[front] for line in lines[2:5]] == ["1.500", "2.250", "1e+30"]
+    assert [line[h_max] for line in lines[2:5]] == ["10.00", "20.00", "1e+32"]
+
+
+@pytest.mark.parametrize(("limit", "first", "last"), [(5, 3, 2), (2, 1, 1), (1, 1, 0)])
+def test_table_leaves_out_the_runs_in_the_middle(limit: int, first: int, last: int) -> None:
+    lines = printed(summary(batch(slope__angle=np.arange(50.0))), limit=limit)
+    numbers = [line.split()[0] for line in lines[2:-1]]
+    assert numbers == [*map(str, range(first)), *["..."] * bool(last), *map(str, range(50 - last, 50))]
+    assert lines[-1] == f"{50 - limit} of 50 runs are left out"
+
+
+@pytest.mark.parametrize("width", [80, 100])
+def test_table_fits_and_names_what_it_leaves_out(width: int) -> None:
+    keys: dict[str, Any] = {f"rheology__key_{n}": np.linspace(0.1234, 9.0, 3) for n in range(8)}
+    lines = printed(summary(batch(**keys)), width=width)
+    assert max(map(len, lines)) <= width
+    assert "…" not in " ".join(lines)
+    note = " ".join(" ".join(lines[5:]).split())
+    assert note.startswith("without end_time, steps, run_out, rheology.key_7")
+    assert note.endswith(", for want of room")
+    shown = lines[0].split().count("rheology.")
+    assert 0 < shown == 8 - note.count("rheology.")

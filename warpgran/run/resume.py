@@ -1,0 +1,82 @@
+"""Whether the runs of a file can be kept: it must be of the same study, computed in the same way."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpgran.files import StorageError
+from warpgran.results.layout import Layout
+from warpgran.results.reading import reading
+from warpgran.run.options import DECISIVE
+from warpgran.schema import PARAMETERS
+
+VERSIONS = ("warpgran_version", "warp_version")
+"""Attributes of a result on which its bits depend, beside the decisive options."""
+
+
+def check_same(path: Path, layout: Layout, facts: Mapping[str, Any]) -> None:
+    """Check that a file is of the same study, computed in the same way.
+
+    Args:
+        path: The file.
+        layout: Of the result that is to be computed.
+        facts: Its attributes.
+
+    Raises:
+        StorageError: It is not; the message says what differs.
+    """
+    differs = differences(path, layout, facts)
+    if differs is None:
+        raise StorageError(f"cannot go on with {path}: it is not a warpgran result")
+    if differs:
+        raise StorageError(f"cannot go on with {path}: it differs in {', '.join(differs)}")
+
+
+def differences(path: Path, layout: Layout, facts: Mapping[str, Any]) -> list[str] | None:
+    """What differs between a file and the result to be computed, in words; None if the file is no result."""
+    try:
+        with reading(path) as file:
+            there = dict(file.attrs)
+            columns = {key: file[PARAMETERS][key].asstr()[:] if file[PARAMETERS][key].dtype.kind == "O"
+                       else file[PARAMETERS][key][:] for key in file[PARAMETERS]}  # fmt: skip
+            runs = file["run"][:]
+    except (OSError, KeyError):
+        return None
+    differs = [name for name in (*DECISIVE, *VERSIONS) if there.get(name) != facts[name]]
+    differs += ["device"] if _kind(there.get("device")) != _kind(facts["device"]) else []
+    words = [f"{name} ({there.get(name)} there, {facts[name]} here)" for name in differs]
+    here = layout.parameters()
+    swept = {*columns, *here}
+    if there.get("identity") != facts["identity"]:
+        words += _differing_keys(str(there.get("case_toml", "")), facts["case_toml"], swept)
+    words += [key for key in sorted(swept) if not _equal(columns.get(key), here.get(key))]
+    if not np.array_equal(runs, layout.runs):
+        words.append(f"the number of runs ({runs.size} there, {layout.runs.size} here)")
+    return list(dict.fromkeys(words))
+
+
+def _differing_keys(there: str, here: str, swept: set[str]) -> list[str]:
+    """The keys in which two run files differ, with both values; those that are swept are compared run by run."""
+
+    def flat(text: str) -> dict[str, Any]:
+        data = tomllib.loads(text)
+        return {f"{s}.{k}": v for s, keys in data.items() if isinstance(keys, dict) for k, v in keys.items()}
+
+    a, b = flat(there), flat(here)
+    keys = [key for key in sorted({*a, *b} - swept) if a.get(key) != b.get(key) and key != "scheme.window"]
+    return [f"{key} ({a.get(key)} there, {b.get(key)} here)" for key in keys] or ["a table of numbers"]
+
+
+def _equal(a: Any, b: Any) -> bool:
+    """Whether two columns of swept values are there and alike."""
+    return a is not None and b is not None and np.array_equal(np.asarray(a), np.asarray(b))
+
+
+def _kind(device: Any) -> str:
+    """Kind of the devices, "cpu" or "cuda": cuda:0 and cuda:1 give the same bits."""
+    return str(device).split(",")[0].split(":")[0]
