@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -19,9 +18,10 @@ def plot(
     run: Annotated[int | None, typer.Option("--run", min=0, help="One run of a batch; default: all together.")] = None,
 ) -> None:
     """Plot one run (profiles at the snapshots, time series), or a batch (results over the swept keys)."""
+    from warpgran.figures.plot import plot
     from warpgran.results.reading import open_dataset
 
-    made = draw(open_dataset(file), output or file.with_suffix(".png"), run)
+    made = plot(open_dataset(file), output or file.with_suffix(".png"), run=run)
     typer.echo(f"wrote {made}")
 
 
@@ -37,13 +37,6 @@ def animate(
 
     made = animate(open_dataset(file), output or file.with_suffix(".gif"), run=run, fps=fps)
     typer.echo(f"wrote {made}")
-
-
-def draw(data: xr.Dataset, path: Path, run: int | None) -> Path:
-    """Draw one run, or without a number the batch; the picture's path."""
-    from warpgran.figures.plot import plot
-
-    return plot(data, path, run)
 
 
 def worth_drawing(data: xr.Dataset) -> bool:

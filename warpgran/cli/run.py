@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from warpgran.cli.arguments import Devices, Precision, RunFile, Set, bytes_of, shard_of
-from warpgran.cli.pictures import draw, worth_drawing
+from warpgran.cli.pictures import worth_drawing
 from warpgran.cli.report import report
 from warpgran.cli.terminal import RUNS, progress_bar
 from warpgran.errors import OptionError
@@ -73,7 +73,9 @@ def run(
     data = open_dataset(path)
     written = [str(path)]
     if picture and worth_drawing(data):
-        written.append(str(draw(data, path.with_suffix(".png"), None)))
+        from warpgran.figures.plot import plot
+
+        written.append(str(plot(data, path.with_suffix(".png"))))
     report(study, data, outcome)
     typer.echo(f"wrote {' and '.join(written)}")
     raise typer.Exit(exit_status(data["status"].values))
