@@ -19,9 +19,11 @@ from typing import Any
 
 import warp as wp
 
+from warpgran.case.case import Case
 from warpgran.kernels.build import build
 from warpgran.kernels.precision import Variant
 from warpgran.solve.device import start_quietly
+from warpgran.solve.variant import variant_of
 
 ARCH = 90
 KERNELS = ("decode", "fill", "limits", "reconstruct", "flux", "update", "relax", "diffuse")
@@ -126,7 +128,7 @@ def main() -> None:
     """Print the counts and what they come to."""
     start_quietly()
     for precision in ("float64", "float32"):
-        found = counts(Variant(precision))
+        found = counts(variant_of(Case(), precision))
         print(f"\n{precision}, of a cell and step, sm_{ARCH}")
         print(table(found))
         print(f"memory: {total(found).bytes(precision)} bytes")

@@ -1,8 +1,8 @@
 """Scalar types, the per-run parameters, memory layout and compile options: what every kernel file starts from."""
 
 import functools
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields
+from typing import Any, Literal
 
 import warp as wp
 
@@ -103,31 +103,31 @@ def precision(name: str) -> Precision:
 class Variant:
     """What is compiled in: the choices of a case that change code, not numbers.
 
+    No field has a default, so that whoever makes a variant cannot leave out a choice.
+
     Attributes:
-        precision: "float64" or "float32".
+        precision: Floating-point precision.
         alpha_two: alpha = 2, so that x^(alpha - 1) is x.
         lambda_zero: lambda = 0, so that the head correction vanishes.
-        phi_eq: "f0", "f1", "f2", or "f2_one" for f2 with N = 1.
-        relaxation: "rational" or "exponential".
-        viscosity: "bounded" or "paper".
-        periodic: whether the two ends are one interface.
+        phi_eq: Law of the equilibrium volume fraction; "f2_one" is f2 with N = 1.
+        relaxation: Dilatancy step.
+        viscosity: Artificial viscosity.
+        periodic: Whether the two ends are one interface.
     """
 
-    precision: str = "float64"
-    alpha_two: bool = True
-    lambda_zero: bool = True
-    phi_eq: str = "f2_one"
-    relaxation: str = "rational"
-    viscosity: str = "bounded"
-    periodic: bool = False
+    precision: Literal["float64", "float32"]
+    alpha_two: bool
+    lambda_zero: bool
+    phi_eq: Literal["f0", "f1", "f2", "f2_one"]
+    relaxation: Literal["rational", "exponential"]
+    viscosity: Literal["bounded", "paper"]
+    periodic: bool
 
     @property
     def name(self) -> str:
-        """A name for the compiled module."""
-        alpha = "alpha2" if self.alpha_two else "alpha"
-        head = "" if self.lambda_zero else "_lambda"
-        ends = "_periodic" if self.periodic else ""
-        return f"warpgran_{self.precision}_{alpha}{head}_{self.phi_eq}_{self.relaxation}_{self.viscosity}{ends}"
+        """A name for the compiled module: every word, and the name of every field that is true."""
+        values = ((field.name, getattr(self, field.name)) for field in fields(self))
+        return "_".join(["warpgran", *(name if value is True else value for name, value in values if value)])
 
 
 def module(name: str, flags: str) -> Any:

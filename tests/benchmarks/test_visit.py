@@ -13,6 +13,9 @@ from typing import Any
 import pytest
 from helpers.places import BENCHMARKS
 
+from warpgran.case.case import Case
+from warpgran.solve.variant import variant_of
+
 PROGRAM = BENCHMARKS / "gpu.py"
 COMMAND = [sys.executable, str(PROGRAM), "--device", "cpu", "--quick"]
 
@@ -45,9 +48,7 @@ def test_the_counts_are_of_the_kernels() -> None:
     try:
         from floors import counts, total
 
-        from warpgran.kernels.precision import Variant
-
-        of = counts(Variant())
+        of = counts(variant_of(Case(), "float64"))
     finally:
         sys.path.remove(str(PROGRAM.parent))
     assert (of["update"].read, of["update"].written, of["update"].divisions) == (7, 3, 0)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import pytest
 import warp as wp
 
+from warpgran.case.case import Case
 from warpgran.kernels.build import build
 from warpgran.kernels.precision import Variant
+from warpgran.solve.variant import variant_of
 
 OTHER = {
     "alpha_two": False, "lambda_zero": False, "phi_eq": "f0", "relaxation": "exponential", "viscosity": "paper",
@@ -27,19 +29,21 @@ TARGETS = [
 kernel in both precisions for all of them; every choice of a law for one."""
 
 
+def variant(precision: str, changes: dict[str, Any]) -> Variant:
+    return replace(variant_of(Case(), precision), **changes)
+
+
 def test_the_variants_have_every_choice_of_every_option() -> None:
-    known = {
-        "alpha_two": {True, False}, "lambda_zero": {True, False}, "phi_eq": {"f0", "f1", "f2", "f2_one"},
-        "relaxation": {"rational", "exponential"}, "viscosity": {"bounded", "paper"}, "periodic": {True, False},
-    }  # fmt: skip
-    made = [asdict(Variant(**changes)) for changes in VARIANTS]
-    assert {name: {variant[name] for variant in made} for name in made[0] if name != "precision"} == known
+    made = [variant("float64", changes) for changes in VARIANTS]
+    for name, kind in get_type_hints(Variant).items():
+        if name != "precision":
+            assert {getattr(each, name) for each in made} == set(get_args(kind) or (True, False)), name
 
 
-@pytest.mark.parametrize(("arch", "precision", "variant"), TARGETS)
-def test_every_kernel_compiles_for_cuda(arch: int, precision: str, variant: int, tmp_path: Path) -> None:
-    kernels = [each for each in build(Variant(precision, **VARIANTS[variant]), many_lanes=True) if each]
-    if variant > 0:  # the kernels over runs are those of all variants
+@pytest.mark.parametrize(("arch", "precision", "number"), TARGETS)
+def test_every_kernel_compiles_for_cuda(arch: int, precision: str, number: int, tmp_path: Path) -> None:
+    kernels = [each for each in build(variant(precision, VARIANTS[number]), many_lanes=True) if each]
+    if number > 0:  # the kernels over runs are those of all variants
         kernels = [each for each in kernels if each.module is kernels[0].module]
     compiled = b""
     for module in {each.module for each in kernels}:

@@ -10,16 +10,11 @@ from warpgran.case.study import Study
 from warpgran.kernels.precision import Variant
 from warpgran.solve.schedule import Outputs
 from warpgran.solve.state import bytes_of_run, most_runs, padded_cells
-from warpgran.solve.variant import variant_of
+from warpgran.solve.variant import KEYS, variant_of
 
 CACHE = 3 * 2**19
 """Bytes of state of a block on a CPU, so that what a step visits stays in the second-level cache of a core: about half
 of it with the window, all of it without."""
-
-_VARIANT_KEYS = (
-    "rheology.phi_eq", "rheology.phi_eq_N", "scheme.alpha", "scheme.lambda", "scheme.relaxation", "scheme.viscosity",
-    "scheme.left", "scheme.right",
-)  # fmt: skip
 
 
 class Block(NamedTuple):
@@ -87,7 +82,7 @@ def _evenly(runs: Sequence[int], room: int, threads: int) -> list[tuple[int, ...
 
 def _kinds(study: Study, runs: Sequence[int], precision: str) -> list[tuple[Variant, int]]:
     """Variant and padded cells, in steps of a quarter, of each run."""
-    keys = [key for key in (*_VARIANT_KEYS, "grid.cells") if key in study.keys]
+    keys = [key for key in (*KEYS, "grid.cells") if key in study.keys]
     columns = [study.values(key) for key in keys]
     known: dict[tuple[object, ...], tuple[Variant, int]] = {}
     kinds = []
