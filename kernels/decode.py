@@ -22,7 +22,7 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Decode:
     kinds = precision(variant.precision)
     Real, A, Params = kinds.Real, kinds.Array, kinds.Params
     dry = Real(DRY)
-    properties = rheology.properties
+    properties, friction, phi_at_rest = rheology.properties, rheology.friction, rheology.phi_at_rest
 
     @wp.kernel(module=module)
     def decode(
@@ -56,12 +56,13 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Decode:
         active: Ints, chunks: int,
         phi: A, mu: A,
     ):  # fmt: skip
-        """Phi of dry cells from their wet neighbours (3.14), phi_stat without any; mu of dry cells, where I = 0."""
+        """Phi of dry cells from their wet neighbours (3.14), phi_stat without any; mu of dry cells, where I = h = 0."""
         t = wp.tid()
         r = run_of(t, chunks)
         p = params[r]
         left = before_first(t, chunks, p.row, lo[r], hi[r])
         end = end_of(t, chunks, p.row, lo[r], hi[r], active[r]) - 1
+        phi_eq = phi_at_rest(p)
         while left < end:
             i = left + 1
             wet = phi_wet[i] > Real(0.0)
@@ -69,7 +70,7 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Decode:
             dry_phi = wp.where(beside > Real(0.0), beside, p.phi_stat)
             mu_i = mu[i]
             phi[i] = wp.where(wet, phi_wet[i], dry_phi)
-            mu[i] = wp.where(wet, mu_i, wp.max(Real(0.0), p.mu1 + p.K * (dry_phi - p.phi_stat)))
+            mu[i] = wp.where(wet, mu_i, friction(p.mu1, dry_phi, phi_eq, Real(0.0), p))
             left += wp.block_dim()
 
     @wp.func

@@ -5,6 +5,7 @@ what the next step starts from, and so that no run waits for another at an outpu
 and leaves at once the runs that are not due.
 """
 
+from enum import IntEnum
 from typing import Any
 
 import warp as wp
@@ -13,9 +14,21 @@ from warpgran.kernels.clock import AT_REST, DIVERGED, OK, STEP_LIMIT
 from warpgran.kernels.lanes import Lanes, lane_of
 from warpgran.kernels.precision import DRY, Doubles, Ints, Precision
 
-SCALARS = ("front", "h_max", "v_max", "v_flow", "volume", "mass", "energy")
-"""What a sample holds, in this order: m, m, m/s, m/s, m2, m2, m4/s2. v_flow and volume count only the cells thicker
-than h_front."""
+
+class Place(IntEnum):
+    """Where each scalar stands in a sample. v_flow and volume count only the cells thicker than h_front."""
+
+    FRONT = 0  # m
+    H_MAX = 1  # m
+    V_MAX = 2  # m/s
+    V_FLOW = 3  # m/s
+    VOLUME = 4  # m2
+    MASS = 5  # m2
+    ENERGY = 6  # m4/s2
+
+
+SCALARS = tuple(place.name.lower() for place in Place)
+"""Names of the scalars of a sample, in this order."""
 
 _SCALARS = wp.constant(len(SCALARS))
 _OK = wp.constant(OK)
@@ -94,9 +107,15 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Any:
                 energy += m_i * (half * v_i * v_i + wp.float64(p.g_c) * head)
             i += wp.block_dim()
         dx = wp.float64(p.dx)
-        x = front(h, most(last), left, p)
-        return Sample(x, most(h_max), most(v_max), most(v_flow), total(volume) * dx, total(mass) * dx,
-                      total(energy) * dx)  # fmt: skip
+        sample = Sample()
+        sample[Place.FRONT] = front(h, most(last), left, p)
+        sample[Place.H_MAX] = most(h_max)
+        sample[Place.V_MAX] = most(v_max)
+        sample[Place.V_FLOW] = most(v_flow)
+        sample[Place.VOLUME] = total(volume) * dx
+        sample[Place.MASS] = total(mass) * dx
+        sample[Place.ENERGY] = total(energy) * dx
+        return sample
 
     @wp.func
     def at_rest(speed: wp.float64, speed_before: wp.float64, p: RunParams) -> bool:
@@ -151,13 +170,13 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Any:
             at = (r * samples + sample_at[k]) * _SCALARS
             end = at + _SCALARS
             sample = measure(U0, h, v, bhat, lo[r], hi[r], left[r], lane, p)
-            if k > 0 and at_rest(sample[3], speed_before, p):
+            if k > 0 and at_rest(sample[Place.V_FLOW], speed_before, p):
                 ended = _AT_REST
                 after = outputs  # what it is now is what it will be at all later times
                 end = (r + 1) * samples * _SCALARS
             write(sample, scalars, at, end, lane)
             if lane == 0:
-                speed[r] = sample[3]
+                speed[r] = sample[Place.V_FLOW]
         while k < after:
             if snapshot_at[k] >= 0:
                 to = (r * snapshots + snapshot_at[k]) * length

@@ -16,6 +16,8 @@ class Rheology(NamedTuple):
 
     power: Any
     root: Any
+    phi_at_rest: Any
+    friction: Any
     properties: Any
     relaxed: Any
 
@@ -64,6 +66,12 @@ def make(variant: Variant) -> Rheology:
         return p.phi_stat * p.phi_stat * den, p.phi_stat * den + p.K_tilde * num
 
     phi_equilibrium = {"f0": f0, "f1": f1, "f2": f2, "f2_one": f2_one}[variant.phi_eq]
+
+    @wp.func
+    def phi_at_rest(p: RunParams) -> Real:
+        """Equilibrium volume fraction where I = 0."""
+        top, bottom = phi_equilibrium(Real(0.0), Real(1.0), p)
+        return top / bottom
 
     # What is left of phi - phi_eq after a step as a fraction; rate/depth is dt gamma K phi.
     @wp.func
@@ -169,5 +177,5 @@ def make(variant: Variant) -> Rheology:
         return per_U0, phi_eq + (phi - phi_eq) * (left * (bottom * per_both))
 
     if variant.alpha_two and variant.precision == "float64":
-        return Rheology(power, root, properties_by_one, relaxed_by_one)
-    return Rheology(power, root, properties, relaxed)
+        return Rheology(power, root, phi_at_rest, friction, properties_by_one, relaxed_by_one)
+    return Rheology(power, root, phi_at_rest, friction, properties, relaxed)
