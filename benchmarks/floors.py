@@ -22,12 +22,11 @@ import warp as wp
 from warpgran.case.case import Case
 from warpgran.kernels.build import build
 from warpgran.kernels.precision import Variant
+from warpgran.kernels.stages import Over
 from warpgran.solve.device import start_quietly
 from warpgran.solve.variant import variant_of
 
 ARCH = 90
-KERNELS = ("decode", "fill", "limits", "reconstruct", "flux", "update", "relax", "diffuse")
-"""The kernels that visit cells at every step, in their order."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +56,10 @@ class Count:
 
 
 def counts(variant: Variant) -> dict[str, Count]:
-    """The count of each kernel of a step."""
-    kernels = build(variant, many_lanes=True)
-    code = _ptx(kernels.decode.module)
-    return {name: _count(getattr(kernels, name), code) for name in KERNELS}
+    """The count of each kernel that visits cells at every step, in their order."""
+    kernels = [stage.kernel for stage in build(variant, many_lanes=True).step if stage.over is Over.CELLS]
+    code = _ptx(kernels[0].module)
+    return {kernel.func.__name__: _count(kernel, code) for kernel in kernels}
 
 
 def total(found: dict[str, Count]) -> Count:
@@ -99,7 +98,7 @@ def _arrays(kernel: Any) -> tuple[set[str], set[str]]:
     read: set[str] = set()
     written: set[str] = set()
     for node in ast.walk(tree):
-        if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and ast.unparse(node.slice) != "r":
+        if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and ast.unparse(node.slice) != "run":
             (written if isinstance(node.ctx, ast.Store) else read).add(node.value.id)
     return read, written
 

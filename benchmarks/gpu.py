@@ -22,7 +22,7 @@ from typing import Any, get_args
 
 import numpy as np
 import warp as wp
-from floors import ARCH, KERNELS, Count, counts, table, total
+from floors import ARCH, Count, counts, table, total
 from one_block import OneBlock
 from report import heading, machine
 from right import CHECKS, correctness
@@ -125,10 +125,11 @@ def full(device: str, cells: int, runs: int, precision: str, **shape: int) -> So
 
 def fits(visit: Visit, cells: int, runs: int, precision: str) -> str:
     """Why a combination cannot be held; nothing if it can."""
-    outputs = Outputs.of(column(cells, window=False))
-    if runs > most_runs(padded_cells(cells), outputs):
+    case = column(cells, window=False)
+    outputs, variant = Outputs.of(case), variant_of(case, precision)
+    if runs > most_runs(padded_cells(cells), outputs, variant):
         return "more than an array of Warp holds"
-    size, free = runs * bytes_of_run(cells, outputs, precision), free_memory_of(visit.device)
+    size, free = runs * bytes_of_run(cells, outputs, variant), free_memory_of(visit.device)
     return f"takes {size / 2**30:.0f} GiB, {free / 2**30:.0f} are free" if size > 0.8 * free else ""
 
 
@@ -173,7 +174,7 @@ def by_stage(visit: Visit, plan: Plan, copied: float, floors: dict[str, Count]) 
                 round_()
                 cost = statistics.median(round_() for _ in range(ROUNDS))
                 sum_of_all += cost
-                moved = floors[name].bytes(precision) / cost if name in KERNELS else 0.0
+                moved = floors[name].bytes(precision) / cost if name in floors else 0.0
                 figure = {"precision": precision, "kernel": name, "ns_a_cell": cost, "of_copy": moved * 1e9 / copied}
                 words = f"{moved:10.0f} GB/s{moved * 1e9 / copied:8.0%} of a copy" if moved else ""
                 visit.note("stages", figure, f"{name:16s}{cost:10.4f}{words}")

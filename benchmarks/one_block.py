@@ -72,7 +72,7 @@ class OneBlock:
             "        n += 1",
         ]
         self._arguments = list(arguments.values())
-        self.module = module(f"{solver.kernels.decode.module.name}_one_block", CAREFUL)
+        self.module = module(f"{solver.state.variant.name}_one_block", CAREFUL)
         self._kernel = wp.kernel(_defined("keep", "\n".join(lines), names), module=self.module)
 
     def steps(self, count: int) -> None:
@@ -98,8 +98,8 @@ def _as_function(kernel: Any) -> Any:
     for argument in definition.args.args:
         argument.annotation = ast.Name(f"{argument.arg}_type", ast.Load())
         names[f"{argument.arg}_type"] = function.__annotations__[argument.arg]
-    definition.args.args.insert(0, ast.arg("thread", ast.Name("int", ast.Load())))
-    source = ast.unparse(ast.fix_missing_locations(tree)).replace("wp.tid()", "thread")
+    definition.args.args.insert(0, ast.arg("tid", ast.Name("int", ast.Load())))
+    source = ast.unparse(ast.fix_missing_locations(tree)).replace("wp.tid()", "tid")
     return wp.func(_defined(definition.name, source, names))
 
 

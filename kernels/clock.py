@@ -1,6 +1,6 @@
-"""Time of each run: which runs go on, and when all of a batch have ended.
+"""Time of each run: which runs advance, and when all of a block have ended.
 
-One thread a run. `status` tells why a run ended: see the codes. `running` is the condition of the time loop: 1 while
+One thread a run. `status` says why a run ended: see the codes. `running` is the condition of the time loop: 1 while
 some run is active and the loop has steps left in its `budget`.
 """
 
@@ -22,54 +22,78 @@ _STEP_LIMIT = wp.constant(STEP_LIMIT)
 
 
 class Clock(NamedTuple):
-    """The kernels of this stage."""
+    """The kernels of this file."""
 
     start: Any
     tick: Any
 
 
-def make(kinds: Precision, module: Any) -> Clock:
-    """The kernels of a precision; the module must be one that honours NaN."""
+def make(kinds: Precision, empty: int, module: Any) -> Clock:
+    """The kernels of a precision.
+
+    Args:
+        kinds: The types.
+        empty: Empty cells that a window has at each end before a step.
+        module: One that honours NaN.
+    """
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
 
     @wp.kernel(module=module)
-    def start(active: Ints, running: Ints):
+    def start(
+        # per run
+        active: Ints,
+        # outputs
+        running: Ints,
+    ):  # fmt: skip
         """Set the condition of the time loop."""
         wp.atomic_max(running, 0, active[wp.tid()])
 
     @wp.func
-    def widen(U0: A, lo: Ints, hi: Ints, r: int, p: RunParams):
-        """Keep an empty cell at each end of the window: mass moves by one cell a step."""
-        if lo[r] > 0 and U0[p.row + lo[r]] != Real(0.0):
-            lo[r] = lo[r] - _BLOCK
-        if hi[r] < p.padded and U0[p.row + hi[r] - 1] != Real(0.0):
-            hi[r] = hi[r] + _BLOCK
+    def occupied(U0: A, first: int) -> bool:
+        """Whether any of the elements from the first, as many as are to be empty, holds mass."""
+        for n in range(empty):
+            if U0[first + n] != Real(0.0):
+                return True
+        return False
+
+    @wp.func
+    def widen(U0: A, lo: Ints, hi: Ints, run: int, p: RunParams):
+        """Keep the window as wide as mass can move in a step: the cells at its ends are empty."""
+        if lo[run] > 0 and occupied(U0, p.row + lo[run]):
+            lo[run] = lo[run] - _BLOCK
+        if hi[run] < p.longest and occupied(U0, p.row + hi[run] - empty):
+            hi[run] = hi[run] + _BLOCK
 
     @wp.kernel(module=module)
     def tick(
-        U0: A, dt: Doubles, times: Doubles, output: Ints, params: Params, budget: Ints,
+        # inputs
+        U0: A, times: Doubles, budget: Ints,
+        # per run
+        params: Params, dt_exact: Doubles, output: Ints,
+        # outputs
         t: Doubles, steps: Ints, status: Ints, active: Ints, due: Ints, lo: Ints, hi: Ints, running: Ints,
     ):  # fmt: skip
         """Advance the time of each run; retire those that have diverged or are out of steps."""
-        r = wp.tid()
-        if active[r] == 0:
+        run = wp.tid()
+        if active[run] == 0:
             return
-        p = params[r]
-        widen(U0, lo, hi, r, p)
-        steps[r] = steps[r] + 1
-        t_out = times[output[r]]
-        if dt[r] >= t_out - t[r]:  # the output limited the step: its time is met exactly
-            t[r] = t_out
-            due[r] = 1
-        elif dt[r] > wp.float64(0.0) and t[r] + dt[r] > t[r]:
-            t[r] = t[r] + dt[r]
-            if steps[r] >= p.step_limit:
-                status[r] = _STEP_LIMIT
-                active[r] = 0
+        p = params[run]
+        widen(U0, lo, hi, run, p)
+        steps[run] = steps[run] + 1
+        dt = dt_exact[run]
+        t_out = times[output[run]]
+        if dt >= t_out - t[run]:  # the output limited the step: its time is met exactly
+            t[run] = t_out
+            due[run] = 1
+        elif dt > wp.float64(0.0) and t[run] + dt > t[run]:
+            t[run] = t[run] + dt
+            if steps[run] >= p.step_limit:
+                status[run] = _STEP_LIMIT
+                active[run] = 0
         else:  # a NaN, or a step too short to advance the time
-            status[r] = _DIVERGED
-            active[r] = 0
-        if active[r] != 0 and budget[0] > 0:
+            status[run] = _DIVERGED
+            active[run] = 0
+        if active[run] != 0 and budget[0] > 0:
             wp.atomic_max(running, 0, 1)
 
     return Clock(start, tick)

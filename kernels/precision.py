@@ -1,4 +1,4 @@
-"""Scalar types, the per-run parameters, memory layout and compile options: what every kernel file starts from."""
+"""Scalar types, parameters of a run, memory layout, compile options and variants: what every kernel file imports."""
 
 import functools
 from dataclasses import dataclass, fields
@@ -6,8 +6,6 @@ from typing import Any, Literal
 
 import warp as wp
 
-# Layout. The cells of run r are the elements row .. row + cells - 1 of a flat array, row = params[r].row; the elements
-# before and after hold the ghost cells. Interface i lies between cells i-1 and i and is stored at row + i.
 BLOCK = 32
 """Ranges of cells start and end at multiples of this: no scalar remainder of a vector loop, so the same bits whatever
 the range."""
@@ -57,7 +55,7 @@ def _run_params(Real: Any) -> Any:
     class RunParams:
         cells: wp.int32
         row: wp.int32  # element of cell 0
-        padded: wp.int32  # cells + 1 rounded up to BLOCK: the longest range
+        longest: wp.int32  # cells + 1 rounded up to BLOCK: the longest range
         step_limit: wp.int32
         dx: Real  # m
         per_dx: Real
@@ -74,11 +72,10 @@ def _run_params(Real: Any) -> Any:
         wall: Real  # mu_w/width, 1/m
         h_min: Real  # m
         h_front: Real  # m
-        rest_speed: Real  # m/s; negative if a run at rest is to go on
-        alpha: Real
+        rest_speed: Real  # m/s; negative if a run at rest is not to end
         a: Real  # alpha - 1
-        root: Real  # 1/(alpha - 1)
-        per_2a: Real  # 1/(2 (alpha - 1))
+        per_a: Real
+        per_2a: Real
         per_2alpha_1: Real  # 1/(2 alpha - 1)
         head: Real  # lambda/g_c, s2/m
         xi1: Real

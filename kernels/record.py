@@ -1,12 +1,12 @@
 """Output of the runs that have reached an output time: whether they are sound, their series, their snapshots.
 
-One block a run, whose lanes share its cells. It stands between decode and the time step, so that what is recorded is
-what the next step starts from, and so that no run waits for another at an output time. It is launched at every step,
-and leaves at once the runs that are not due.
+One block a run, whose lanes share its cells. It stands before the time step, so that what is recorded is what the
+next step starts from, and no run waits for another at an output time. It is launched at every step, and leaves at once
+the runs that are not due.
 """
 
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import warp as wp
 
@@ -37,7 +37,15 @@ _STEP_LIMIT = wp.constant(STEP_LIMIT)
 _AT_REST = wp.constant(AT_REST)
 
 
-def make(kinds: Precision, lanes: Lanes, module: Any) -> Any:
+class Record(NamedTuple):
+    """The kernel of this file, and its functions."""
+
+    record: Any
+    sound: Any
+    at_rest: Any
+
+
+def make(kinds: Precision, lanes: Lanes, module: Any) -> Record:
     """The kernel of a precision; the module must be one that honours NaN."""
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
     Sample = wp.types.vector(length=len(SCALARS), dtype=wp.float64)
@@ -65,21 +73,21 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Any:
         return p.cells
 
     @wp.func
-    def front(h: A, last: int, left: wp.float64, p: RunParams) -> wp.float64:
+    def front(h: A, last: int, x_left: wp.float64, p: RunParams) -> wp.float64:
         """Largest x [m] where h falls through h_front, linear between centres; left end of the grid if nowhere.
 
         last: the last cell thicker than h_front, negative if there is none.
         """
         if last < 0:
-            return left
+            return x_left
         at = wp.float64(last) + half
         if last < p.cells - 1:
             h_i = wp.float64(h[p.row + last])
             at += (h_i - wp.float64(p.h_front)) / (h_i - wp.float64(h[p.row + last + 1]))
-        return left + at * wp.float64(p.dx)
+        return x_left + at * wp.float64(p.dx)
 
     @wp.func
-    def measure(U0: A, h: A, v: A, bhat: A, lo: int, hi: int, left: wp.float64, lane: int, p: RunParams) -> Sample:
+    def measure(U0: A, h: A, v: A, bhat: A, lo: int, hi: int, x_left: wp.float64, lane: int, p: RunParams) -> Sample:
         """The scalars of a run, summed in float64: by each lane from left to right, then over the lanes."""
         h_max = zero
         v_max = zero
@@ -108,7 +116,7 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Any:
             i += wp.block_dim()
         dx = wp.float64(p.dx)
         sample = Sample()
-        sample[Place.FRONT] = front(h, most(last), left, p)
+        sample[Place.FRONT] = front(h, most(last), x_left, p)
         sample[Place.H_MAX] = most(h_max)
         sample[Place.V_MAX] = most(v_max)
         sample[Place.V_FLOW] = most(v_flow)
@@ -118,9 +126,9 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Any:
         return sample
 
     @wp.func
-    def at_rest(speed: wp.float64, speed_before: wp.float64, p: RunParams) -> bool:
+    def at_rest(v_flow: wp.float64, v_flow_before: wp.float64, p: RunParams) -> bool:
         """Whether a run is slower than rest_speed and not speeding up, since a mass that starts is slow too."""
-        return speed < wp.float64(p.rest_speed) and speed <= speed_before
+        return v_flow < wp.float64(p.rest_speed) and v_flow <= v_flow_before
 
     @wp.func
     def write(sample: Sample, out: Doubles, at: int, end: int, lane: int):
@@ -140,59 +148,64 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Any:
 
     @wp.kernel(module=module)
     def record(
-        U0: A, U1: A, U2: A, h: A, v: A, phi: A, bhat: A, lo: Ints, hi: Ints, left: Doubles, params: Params,
-        steps: Ints, snapshot_at: Ints, sample_at: Ints, snapshots: int, samples: int, length: int,
-        due: Ints, active: Ints, status: Ints, bad_cell: Ints, output: Ints, speed: Doubles,
+        # inputs
+        U0: A, U1: A, U2: A, h: A, v: A, phi: A, bhat: A, snapshot_at: Ints, sample_at: Ints, snapshots: int,
+        samples: int, padded: int,
+        # per run
+        params: Params, lo: Ints, hi: Ints, x_left: Doubles, steps: Ints,
+        # outputs
+        due: Ints, active: Ints, status: Ints, bad_cell: Ints, output: Ints, v_flow: Doubles,
         scalars: Doubles, h_out: A, v_out: A, phi_out: A,
     ):  # fmt: skip
         """Record the runs that are due, retire those that have diverged, come to rest or reached their end.
 
         snapshot_at, sample_at: for each output time its place among the snapshots and samples, -1 if it is none.
-        scalars: (runs, samples, len(SCALARS)); h_out, v_out, phi_out: (runs, snapshots, length); all flat.
+        scalars: (runs, samples, len(SCALARS)); h_out, v_out, phi_out: (runs, snapshots, padded); all flat.
+        v_flow: of the last sample [m/s]; x_left: left end of the grid [m].
         """
-        t = wp.tid()
-        r = t // wp.block_dim()
-        lane = lane_of(t)
-        if active[r] == 0 or due[r] == 0:
+        thread = wp.tid()
+        run = thread // wp.block_dim()
+        lane = lane_of(thread)
+        if active[run] == 0 or due[run] == 0:
             return
-        p = params[r]
-        k = int(output[r])
-        speed_before = speed[r]
+        p = params[run]
+        at_output = int(output[run])
+        v_flow_before = v_flow[run]
         # No lane gets past this before all have read what the first one writes below.
         bad = least(first_unsound(U0, U1, U2, lane, p))
         outputs = snapshot_at.shape[0]
-        after = k + 1
+        after = at_output + 1
         ended = int(_OK)
         if bad < p.cells:
-            after = k
+            after = at_output
             ended = _DIVERGED
-        elif sample_at[k] >= 0:
-            at = (r * samples + sample_at[k]) * _SCALARS
+        elif sample_at[at_output] >= 0:
+            at = (run * samples + sample_at[at_output]) * _SCALARS
             end = at + _SCALARS
-            sample = measure(U0, h, v, bhat, lo[r], hi[r], left[r], lane, p)
-            if k > 0 and at_rest(sample[Place.V_FLOW], speed_before, p):
+            sample = measure(U0, h, v, bhat, lo[run], hi[run], x_left[run], lane, p)
+            if at_output > 0 and at_rest(sample[Place.V_FLOW], v_flow_before, p):
                 ended = _AT_REST
                 after = outputs  # what it is now is what it will be at all later times
-                end = (r + 1) * samples * _SCALARS
+                end = (run + 1) * samples * _SCALARS
             write(sample, scalars, at, end, lane)
             if lane == 0:
-                speed[r] = sample[Place.V_FLOW]
-        while k < after:
-            if snapshot_at[k] >= 0:
-                to = (r * snapshots + snapshot_at[k]) * length
+                v_flow[run] = sample[Place.V_FLOW]
+        while at_output < after:
+            if snapshot_at[at_output] >= 0:
+                to = (run * snapshots + snapshot_at[at_output]) * padded
                 copy_row(h, p, h_out, to, lane)
                 copy_row(v, p, v_out, to, lane)
                 copy_row(phi, p, phi_out, to, lane)
-            k += 1
-        if ended == _OK and after < outputs and steps[r] >= p.step_limit:
+            at_output += 1
+        if ended == _OK and after < outputs and steps[run] >= p.step_limit:
             ended = _STEP_LIMIT
         if lane == 0:
-            due[r] = 0
-            output[r] = after
-            status[r] = ended
+            due[run] = 0
+            output[run] = after
+            status[run] = ended
             if ended == _DIVERGED:
-                bad_cell[r] = bad
+                bad_cell[run] = bad
             if after == outputs or ended != _OK:
-                active[r] = 0
+                active[run] = 0
 
-    return record
+    return Record(record, sound, at_rest)

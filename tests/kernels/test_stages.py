@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,12 +12,12 @@ from helpers.cases import at_centres, drawn, small
 
 from warpgran.case.case import Case
 from warpgran.kernels import clock, precision, record
+from warpgran.kernels.first import ARRAYS
 from warpgran.physics import laws, reference
 from warpgran.schema import Status
 from warpgran.solve import finished
 from warpgran.solve.schedule import Outputs
 from warpgran.solve.solver import Solver
-from warpgran.solve.state import ARRAYS
 from warpgran.solve.variant import variant_of
 
 CELLS = 100
@@ -31,12 +32,12 @@ def test_constants_of_the_kernels_are_those_of_the_python_side() -> None:
         assert getattr(clock, name) == Status[name]
 
 
-def test_a_state_uses_all_the_memory_it_takes() -> None:
-    state = Solver.holding([small()]).state
-    flat = (*state.U, *state.W, *state.F, state.h, state.v, state.phi, state.mu, state.phi_wet, state.s,
-            state.per_mass, state.celerity, state.v_f, state.X, state.h_star, state.phi_star, state.Dz, state.iota,
-            state.bhat, state.dbhat)  # fmt: skip
-    assert len({array.ptr for array in flat}) == ARRAYS
+def test_the_arrays_of_a_state_are_those_that_its_kernels_read_and_write() -> None:
+    solver = Solver.holding([small()])
+    state, stages = solver.state, solver.stages
+    names = {name for stage in (*stages.load, *stages.step) for name in inspect.signature(stage.kernel.func).parameters}
+    assert {name for name in names if name != "chunks" and np.size(state.argument(name)) == state.size} == set(ARRAYS)
+    assert len({array.ptr for array in state.arrays.values()}) == len(ARRAYS) == len(state.arrays)
 
 
 def rough_case(**changes: Any) -> Case:
@@ -72,14 +73,13 @@ def expected_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
     flux = reference.interface_flux(fields, Dz, case)
     updated = reference.update(before, flux, dt, case)
     relaxed = reference.relax(updated, dt, case)
-    # At two ends that are not one the kernels' v_f is that of a ghost cell and has no effect.
     inner = slice(None) if periodic else slice(1, -1)
     return {
         "h": fields.h, "v": fields.v, "phi": fields.phi, "mu": mu, "v_f": v_f[inner], "dt": np.array([dt]),
         "Dz": Dz[inner], "iota": laws.positive(v_f * Dz)[inner],
         "h_star": np.where(Dz > 0.0, h_l, h_r), "phi_star": np.where(Dz > 0.0, phi_l, phi_r),
         "F0": flux.F0, "F1_l": flux.F1_l, "F1_r": flux.F1_r, "F2": flux.F2,
-        "W0": updated[0], "W1": updated[1], "W2": relaxed[2], "s": laws.quotient(relaxed[2], relaxed[0]),
+        "W0": updated[0], "W1": updated[1], "W2": relaxed[2], "c": laws.quotient(relaxed[2], relaxed[0]),
         "U0": run.U[0], "U1": run.U[1], "U2": run.U[2],
     }  # fmt: skip
 
@@ -91,28 +91,24 @@ def actual_stages(case: Case, steps: int, device: str) -> dict[str, np.ndarray]:
     for _ in range(steps - 1):
         solver.step()
     row, n = s.row(0), s.cells[0]
-    at_cells = {"h": s.h, "v": s.v, "phi": s.phi, "mu": s.mu, "s": s.s}
-    at_cells |= {f"W{k}": w for k, w in enumerate(s.W)}
-    at_inner = {"v_f": s.v_f, "Dz": s.Dz, "iota": s.iota}
-    at_all = {"h_star": s.h_star, "phi_star": s.phi_star}
-    at_all |= dict(zip(("F0", "F1_l", "F1_r", "F2"), s.F, strict=True))
-    between = s.phi_wet, s.per_mass, s.celerity, s.X
-    for array in (*at_cells.values(), *at_inner.values(), *at_all.values(), *between, s.dt):
+    for array in (*(array for name, array in s.arrays.items() if name not in GIVEN), s.dt):
         values = array.numpy()
-        values[row : row + n + 1] = np.nan
-        if array is s.dt:
-            values[:] = np.nan
+        values[slice(None) if array is s.dt else slice(row, row + n + 1)] = np.nan
         array.assign(values)
     solver.step()
-    at_cells |= {f"U{k}": u for k, u in enumerate(s.U)}
-    found = {name: array.numpy()[row : row + n] for name, array in at_cells.items()}
-    inner = slice(row, row + n + 1) if case.scheme.periodic else slice(row + 1, row + n)
-    found |= {name: array.numpy()[inner] for name, array in at_inner.items()}
-    found |= {name: array.numpy()[row : row + n + 1] for name, array in at_all.items()}
-    return {**found, "dt": s.dt.numpy()}
+    beyond = {name: n + 1 for name in AT_INTERFACES}
+    first = 0 if case.scheme.periodic else 1
+    inner = dict.fromkeys(INNER, slice(row + first, row + n + 1 - first))
+    places = {name: inner.get(name, slice(row, row + beyond.get(name, n))) for name in STAGES if name != "dt"}
+    return {"dt": s.dt.numpy(), **{name: s.arrays[name].numpy()[place] for name, place in places.items()}}
 
 
-STAGES = ("h v phi mu v_f dt Dz iota h_star phi_star F0 F1_l F1_r F2 W0 W1 W2 s U0 U1 U2").split()
+GIVEN = ("U0", "U1", "U2", "bhat", "dbhat")
+"""What a step starts from; all else it must write."""
+AT_INTERFACES = ("h_star", "phi_star", "F0", "F1_l", "F1_r", "F2")
+INNER = ("v_f", "Dz", "iota")
+"""At two ends that are not one these are of a ghost cell and have no effect."""
+STAGES = ("h v phi mu v_f dt Dz iota h_star phi_star F0 F1_l F1_r F2 W0 W1 W2 c U0 U1 U2").split()
 
 
 @pytest.fixture(scope="module", params=[(2.0, {}), (1.5, {}), (2.0, dict.fromkeys(ENDS, "periodic"))])

@@ -18,6 +18,7 @@ import warpgran as wg
 from warpgran.case.case import Case
 from warpgran.case.study import Study
 from warpgran.errors import OptionError
+from warpgran.kernels.first import ARRAYS
 from warpgran.kernels.precision import MARGIN
 from warpgran.results.layout import Layout
 from warpgran.run.options import Options
@@ -27,7 +28,7 @@ from warpgran.solve.device import DeviceError, find_devices
 from warpgran.solve.finished import SCALARS
 from warpgran.solve.schedule import Outputs
 from warpgran.solve.solver import Solver
-from warpgran.solve.state import ARRAYS, bytes_of_run, most_runs
+from warpgran.solve.state import bytes_of_run, most_runs
 from warpgran.solve.variant import variant_of
 
 
@@ -124,20 +125,21 @@ def test_every_gpu_gets_runs(workers: int, sizes: list[int]) -> None:
 
 @pytest.mark.parametrize("padded", [96, 1024, 16_032])
 def test_a_state_of_most_runs_fits_the_largest_array(padded: int) -> None:
-    few = Outputs.of(small())
-    runs = most_runs(padded, few)
-    assert ARRAYS * (runs * (padded + MARGIN) + 4 * MARGIN) < 2**31
-    assert ARRAYS * (1.001 * runs + 1) * (padded + MARGIN) > 2**31
+    few, variant = Outputs.of(small()), variant_of(small(), "float64")
+    arrays = len(ARRAYS)
+    runs = most_runs(padded, few, variant)
+    assert arrays * (runs * (padded + MARGIN) + 4 * MARGIN) < 2**31
+    assert arrays * (1.001 * runs + 1) * (padded + MARGIN) > 2**31
     many = Outputs.of(small(**{"time.snapshots": {"every": 0.002}}))
     assert many.snapshots == 101
-    assert most_runs(padded, many) == (2**31 - 1 - ARRAYS * 5 * MARGIN) // (101 * padded)
+    assert most_runs(padded, many, variant) == (2**31 - 1 - arrays * 5 * MARGIN) // (101 * padded)
 
 
 @pytest.mark.parametrize(("fit", "sizes"), [(2.5, [2, 2, 1]), (4.0, [3, 2]), (9.0, [5])])
 def test_blocks_are_cut_to_the_memory(fit: float, sizes: list[int]) -> None:
     study, outputs = Study.of([small()] * 5), Outputs.of(small())
     (whole,) = plan(study, range(5), outputs, "float64", on_cpu=False, threads=1, memory=1e12)
-    memory = fit * bytes_of_run(whole.padded - 1, outputs, "float64")
+    memory = fit * bytes_of_run(whole.padded - 1, outputs, whole.variant)
     made = plan(study, range(5), outputs, "float64", on_cpu=False, threads=1, memory=memory)
     assert [len(block.runs) for block in made] == sizes
 
@@ -146,7 +148,7 @@ def test_blocks_are_cut_to_the_largest_array() -> None:
     case = small(**{"grid.cells": 9_000_000})
     study = Study.of([case] * 12)
     made = plan(study, range(12), Outputs.of(case), "float32", on_cpu=False, threads=1, memory=1e15)
-    most = most_runs(made[0].padded, Outputs.of(case))
+    most = most_runs(made[0].padded, Outputs.of(case), made[0].variant)
     assert most < 12
     assert len(made) == -(-12 // most) and max(len(block.runs) for block in made) <= most
 

@@ -18,16 +18,18 @@ def info() -> None:
 
     import warp as wp
 
+    from warpgran.case.case import Case
     from warpgran.solve.device import devices, start_quietly
     from warpgran.solve.schedule import Outputs
     from warpgran.solve.state import bytes_of_run
+    from warpgran.solve.variant import variant_of
 
     start_quietly()
     typer.echo(f"warpgran {version('warpgran')}, warp {wp.__version__}, numpy {version('numpy')}")
     typer.echo(f"python {sys.version.split()[0]}, {sys.platform}")
     for alias, name, memory in devices():
-        runs = [f"{memory * 2**30 / bytes_of_run(1000, Outputs.none(), precision):,.0f} in {precision}"
-                for precision in ("float64", "float32")]  # fmt: skip
+        sizes = {kind: bytes_of_run(1000, Outputs.none(), variant_of(Case(), kind)) for kind in ("float64", "float32")}
+        runs = [f"{memory * 2**30 / each:,.0f} in {kind}" for kind, each in sizes.items()]
         typer.echo(f"device {alias}: {name}, {memory:.1f} GiB: runs of 1000 cells that fit: {', '.join(runs)}")
     typer.echo(f"compiled kernels: {wp.config.kernel_cache_dir}")
 

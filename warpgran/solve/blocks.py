@@ -55,10 +55,10 @@ def plan(
         groups.setdefault(kind, []).append(run)
     blocks = []
     for (variant, padded), members in groups.items():
-        size = bytes_of_run(padded - 1, outputs, precision)
+        size = bytes_of_run(padded - 1, outputs, variant)
         if size > memory:
             raise MemoryError(f"a run of {padded - 1} cells takes {size / 2**20:.0f} MiB; allow that much or more")
-        most = most_runs(padded, outputs)
+        most = most_runs(padded, outputs, variant)
         if most == 0:
             kept = f"{outputs.snapshots} snapshots and {outputs.samples} samples"
             raise MemoryError(
@@ -66,7 +66,7 @@ def plan(
             )
         room = min(int(memory / max(1, min(threads, len(members))) // size), most, -(-len(members) // threads))
         if on_cpu:
-            room = min(room, CACHE // bytes_of_run(padded - 1, Outputs.none(), precision))
+            room = min(room, CACHE // bytes_of_run(padded - 1, Outputs.none(), variant))
         parts = _evenly(members, max(1, room), threads)
         blocks += [Block(part, len(parts[0]), padded, variant) for part in parts]
     return blocks

@@ -39,7 +39,7 @@ def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
     status[state.active.numpy()[:n] != 0] = Status.INTERRUPTED
     diverged = np.flatnonzero(status == Status.DIVERGED).tolist()
     outputs = state.output.numpy()
-    precision, device = state.precision.name, str(solver.device)
+    precision, device = state.variant.precision, str(solver.device)
     failures = {r: _find_failure(cases[r], int(outputs[r]), precision, device) for r in diverged}
     steps, end_time = state.steps.numpy()[:n].copy(), state.t.numpy()[:n].copy()
     for r, failure in failures.items():

@@ -1,16 +1,17 @@
-"""The scheme over a block of runs: which kernels are launched, in the order of the paper."""
+"""The scheme over a block of runs: its stages, launched step after step until every run has ended."""
 
 from __future__ import annotations
 
+import inspect
 import threading
 from collections.abc import Sequence
-from typing import Any
 
 import warp as wp
 
 from warpgran.case.case import Case
 from warpgran.kernels.build import build
-from warpgran.kernels.precision import Variant, precision
+from warpgran.kernels.precision import Variant
+from warpgran.kernels.stages import Over, Stage
 from warpgran.solve.device import free_memory_of
 from warpgran.solve.schedule import Outputs
 from warpgran.solve.state import State, bytes_of_run, padded_cells
@@ -55,7 +56,7 @@ class Solver:
         Args:
             runs: How many there is room for.
             padded: Elements of the longest row, `state.padded_cells` of its cells.
-            variant: What is compiled in; `variant_of` tells it of a case.
+            variant: What is compiled in, see `variant_of`.
             outputs: When the runs are recorded.
             device: A Warp device, "cpu" or "cuda:N".
             lanes: Threads that walk a chunk of a run's cells side by side; one on the CPU by default, LANES on a GPU.
@@ -74,16 +75,16 @@ class Solver:
         many = REPLAY if self.device.is_cpu else 100 * REPLAY
         self.steps_per_replay = min(max(100, many // (runs * padded)), MOST_STEPS)
         with _calls:
-            self.kernels = build(variant, many_lanes=self.lanes > 1)
+            self.stages = build(variant, many_lanes=self.lanes > 1)
             free = free_memory_of(str(self.device))
             try:
-                self.state = State(runs, padded, outputs, precision(variant.precision), self.device)
+                self.state = State(runs, padded, variant, outputs, self.device)
             except RuntimeError as error:  # Warp's, of memory that it does not get
-                size = bytes_of_run(padded - 1, outputs, variant.precision)
+                size = bytes_of_run(padded - 1, outputs, variant)
                 message = f"{self.device}: no room for {runs} runs of {padded - 1} cells, {runs * size / 2**30:.2g} GiB"
                 fit = f"{free / 2**30:.2g} GiB are free, enough for {free // size:.0f}"
                 raise MemoryError(f"{message}; {fit}: give less to a block by --memory") from error
-            for kernel in filter(None, self.kernels):
+            for kernel in {stage.kernel for stages in self.stages for stage in stages}:
                 wp.load_module(kernel.module, device=self.device, block_dim=self.lanes)
             with wp.ScopedCapture(device=self.device) as capture:
                 wp.capture_while(self.state.running, self.step)
@@ -101,61 +102,36 @@ class Solver:
         """Start anew with other runs, of the same variant."""
         with _calls:
             self.state.load(cases)
+            self._launch(self.stages.load)
 
     def step(self) -> None:
         """One step of every active run, each by its own dt and not beyond its next output time."""
-        s, k = self.state, self.kernels
-        self._over_cells(k.decode, s.U, [s.h, s.v, s.phi_wet, s.mu, s.per_mass, s.celerity])
-        self._wrap(s.phi_wet)
-        self._over_cells(k.fill, [s.phi_wet], [s.phi, s.mu])
-        self._over_runs(k.boundary, [s.params, s.active, s.h, s.v, s.phi, s.mu, s.per_mass, s.celerity])
-        self._over_runs(k.record, [*s.U, s.h, s.v, s.phi, s.bhat, s.lo, s.hi, s.left, s.params, s.steps, s.snapshot_at,
-                                   s.sample_at, s.outputs.snapshots, s.outputs.samples, s.padded, s.due,
-                                   s.active, s.status, s.bad_cell, s.output, s.speed, s.scalars, *s.snapshots],
-                        self.lanes)  # fmt: skip
-        self._over_cells(k.limits, [s.h, s.v, s.phi, s.mu, s.celerity, s.dbhat],
-                         [s.v_f, s.X, s.max_speed, s.max_viscosity])  # fmt: skip
-        self._over_runs(k.time_step, [s.params, s.active, s.t, s.times, s.output, s.max_speed, s.max_viscosity,
-                                      s.dt, s.dt_exact, s.budget, s.running])  # fmt: skip
-        self._over_cells(k.reconstruct, [s.h, s.v, s.phi, s.mu, s.per_mass, s.v_f, s.X, s.dbhat, s.dt],
-                         [s.h_star, s.phi_star, s.Dz, s.iota])  # fmt: skip
-        self._over_cells(k.flux, [s.h, s.v, s.phi, s.celerity, s.h_star, s.phi_star, s.Dz], s.F)
-        self._over_cells(k.update, [*s.U, *s.F, s.dt], s.W)
-        self._over_cells(k.relax, [s.W[0], s.W[1], s.dt], [s.W[2], s.s])
-        self._wrap(*s.W, s.s)
-        self._over_cells(k.diffuse, [*s.W, s.s, s.iota, s.dt], s.U)
-        self._over_runs(k.tick, [s.U[0], s.dt_exact, s.times, s.output, s.params, s.budget, s.t, s.steps, s.status,
-                                 s.active, s.due, s.lo, s.hi, s.running])  # fmt: skip
+        self._launch(self.stages.step)
 
     def replay(self, budget: int | None = None) -> bool:
         """Steps until every run has ended, without a return to Python; True once that is so.
 
-        False if there is more to do, after `budget` steps, so that Python can look at the clock: call again.
+        False if runs are left after `budget` steps, so that Python can look at the clock: call again.
         """
         s = self.state
         with _calls:
             s.budget.fill_(self.steps_per_replay if budget is None else budget)
             s.running.zero_()
-            self._over_runs(self.kernels.start, [s.active, s.running])
+            self._launch(self.stages.start)
         wp.capture_launch(self._graph)
         wp.synchronize_device(self.device)  # a GPU is waited for here, so that others may call Warp meanwhile
         with _calls:
             return not s.active.numpy().any()
 
-    def _wrap(self, *arrays: Any) -> None:
-        """Set the ghost cells of periodic runs."""
-        for array in arrays if self.kernels.wrap else ():
-            self._over_runs(self.kernels.wrap, [self.state.params, self.state.active, array])
-
-    def _over_cells(self, kernel: Any, inputs: Sequence[Any], outputs: Sequence[Any]) -> None:
-        """Launch a kernel over the windows of all runs."""
-        s = self.state
-        self._launch(kernel, s.runs * self.chunks * self.lanes,
-                     [*inputs, s.params, s.lo, s.hi, s.active, self.chunks, *outputs])  # fmt: skip
-
-    def _over_runs(self, kernel: Any, arguments: Sequence[Any], lanes: int = 1) -> None:
-        """Launch a kernel with a thread, or a block of lanes, a run."""
-        self._launch(kernel, self.state.runs * lanes, arguments)
-
-    def _launch(self, kernel: Any, threads: int, arguments: Sequence[Any]) -> None:
-        wp.launch(kernel, dim=threads, inputs=arguments, device=self.device, block_dim=self.lanes)
+    def _launch(self, stages: Sequence[Stage]) -> None:
+        """Launch stages one after another; each argument of a kernel is that of its name."""
+        state = self.state
+        threads = {
+            Over.CELLS: state.runs * self.chunks * self.lanes,
+            Over.RUNS: state.runs,
+            Over.LANES: state.runs * self.lanes,
+        }
+        for kernel, over in stages:
+            names = inspect.signature(kernel.func).parameters
+            arguments = [self.chunks if name == "chunks" else state.argument(name) for name in names]
+            wp.launch(kernel, dim=threads[over], inputs=arguments, device=self.device, block_dim=self.lanes)

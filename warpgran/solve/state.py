@@ -1,7 +1,7 @@
 """Device memory of a block of runs: the only place that allocates it.
 
 Run r owns the elements `row(r) - MARGIN` to `row(r) + padded - 1` of every flat array of cells or interfaces; see
-kernels/precision.py for the layout. A state is allocated once and loaded with one set of runs after another.
+kernels/__init__.py for the layout. A state is allocated once and loaded with one set of runs after another.
 """
 
 from __future__ import annotations
@@ -14,13 +14,11 @@ import warp as wp
 
 from warpgran.arrays import Array
 from warpgran.case.case import Case
+from warpgran.kernels import first
 from warpgran.kernels.clock import OK
-from warpgran.kernels.precision import BLOCK, MARGIN, Precision
+from warpgran.kernels.precision import BLOCK, MARGIN, Variant, precision
 from warpgran.kernels.record import SCALARS
 from warpgran.solve.schedule import Outputs
-
-ARRAYS = 26
-"""Flat arrays of a state."""
 
 
 def padded_cells(cells: int) -> int:
@@ -31,59 +29,64 @@ def padded_cells(cells: int) -> int:
 class State:
     """Arrays of a block of runs on one device.
 
+    Every argument of a kernel is an attribute of that name or one of `arrays`.
+
     Attributes:
-        U: conserved state, three arrays: phi h [m], phi h v [m2/s], phi^alpha h [m].
-        W: the state after the update and the relaxation, as U.
-        h, v, phi, mu: what U decodes to at cells [m, m/s, -, -]; phi_wet: phi, 0 in dry cells; s: U2/U0.
-        per_mass, celerity: 1/(phi h) [1/m] and sqrt(g_c h) [m/s], 0 in dry cells.
-        v_f, X, Dz, iota: velocity [m/s], driving slope, jump of the total topography [m] and viscosity [m2/s] at
-            interfaces.
-        h_star, phi_star: reconstructed state of the side of an interface that climbs [m, -].
-        F: fluxes F0, F1 as the left and the right cell see it, F2, at interfaces.
-        bhat, dbhat: total bed at cells, its jump at interfaces [m].
+        arrays: The flat arrays of cells and interfaces of the scheme, by name; kernels/first/__init__.py says what they
+            hold.
+        params: Parameters, per run.
         lo, hi: window of cells visited, per run; active: whether a run advances; due: whether it is to be recorded.
-        t, steps, output, status, bad_cell: time [s], steps taken, index of the next output, status code and first
-            unsound cell (-1: none), per run.
-        times, snapshot_at, sample_at: the outputs.
-        budget, running: of the whole block, one element: steps left, whether to go on.
-        scalars: (runs, samples, len(SCALARS)) and snapshots: h, v, phi, each (runs, snapshots, padded), flat.
+        t, dt_exact, dt, steps: time and time step [s], in float64 and in the precision of the kernels, and steps taken,
+            per run.
+        output, status, bad_cell: index of the next output, status code and first unsound cell (-1: none), per run.
+        x_left: left end of the grid [m], per run; v_flow: of the last sample [m/s], per run.
+        max_speed, max_viscosity: what limits the next time step [m/s, m2/s], per run.
+        times, snapshot_at, sample_at, snapshots, samples: the outputs.
+        budget, running: of the whole block, one element: steps left, whether to advance further.
+        scalars: (runs, samples, len(SCALARS)) and h_out, v_out, phi_out: (runs, snapshots, padded), flat.
     """
 
-    def __init__(self, runs: int, padded: int, outputs: Outputs, precision: Precision, device: Any) -> None:
-        self.runs, self.padded, self.outputs, self.precision = runs, padded, outputs, precision
+    def __init__(self, runs: int, padded: int, variant: Variant, outputs: Outputs, device: Any) -> None:
+        self.runs, self.padded, self.variant, self.outputs = runs, padded, variant, outputs
         self.pitch = padded + MARGIN
         self.size = runs * self.pitch + MARGIN
         self.cells = [0] * runs
+        kinds = precision(variant.precision)
+        Real = kinds.Real
 
-        def many(n: int, dtype: Any) -> list[Any]:
-            return [wp.zeros(runs, dtype=dtype, device=device) for _ in range(n)]
+        def per_run(dtype: Any) -> Any:
+            return wp.zeros(runs, dtype=dtype, device=device)
 
         # One piece of memory, so that all of it is zeroed at once; from array to array an odd multiple of MARGIN,
         # one or two cache lines, so that equal indices do not all compete for the same places of the cache.
         stride = -(-self.size // MARGIN) * MARGIN + MARGIN
         stride += MARGIN * (stride // MARGIN % 2 == 0)
-        self._slab = wp.zeros(ARRAYS * stride, dtype=precision.Real, device=device)
-        views = iter([self._slab[k * stride : k * stride + self.size] for k in range(ARRAYS)])
-        self.U = next(views), next(views), next(views)
-        self.W = next(views), next(views), next(views)
-        self.h, self.v, self.phi, self.mu, self.phi_wet, self.s = (next(views) for _ in range(6))
-        self.per_mass, self.celerity = next(views), next(views)
-        self.v_f, self.X, self.Dz, self.iota, self.bhat, self.dbhat = (next(views) for _ in range(6))
-        self.h_star, self.phi_star = next(views), next(views)
-        self.F = tuple(next(views) for _ in range(4))
+        self._slab = wp.zeros(len(first.ARRAYS) * stride, dtype=Real, device=device)
+        self.arrays = {name: self._slab[k * stride : k * stride + self.size] for k, name in enumerate(first.ARRAYS)}
 
-        self.params = wp.zeros(runs, dtype=precision.RunParams, device=device)
-        self.lo, self.hi, self.active, self.due, self.status, self.bad_cell, self.steps, self.output = many(8, wp.int32)
-        self.t, self.left, self.speed, self.dt_exact = many(4, wp.float64)
-        self.dt, self.max_speed, self.max_viscosity = many(3, precision.Real)
+        self.params = per_run(kinds.RunParams)
+        self.lo, self.hi, self.active, self.due = (per_run(wp.int32) for _ in range(4))
+        self.status, self.bad_cell, self.steps, self.output = (per_run(wp.int32) for _ in range(4))
+        self.t, self.x_left, self.v_flow, self.dt_exact = (per_run(wp.float64) for _ in range(4))
+        self.dt, self.max_speed, self.max_viscosity = (per_run(Real) for _ in range(3))
         self.budget, self.running = (wp.zeros(1, dtype=wp.int32, device=device) for _ in range(2))
         self.times = wp.array(outputs.times, dtype=wp.float64, device=device)
         self.snapshot_at = wp.array(outputs.snapshot_at, dtype=wp.int32, device=device)
         self.sample_at = wp.array(outputs.sample_at, dtype=wp.int32, device=device)
-        self.scalars = wp.zeros(runs * outputs.samples * len(SCALARS), dtype=wp.float64, device=device)
-        self.snapshots = tuple(
-            wp.zeros(runs * outputs.snapshots * padded, dtype=precision.Real, device=device) for _ in range(3)
+        self.snapshots, self.samples = outputs.snapshots, outputs.samples
+        self.scalars = wp.zeros(runs * self.samples * len(SCALARS), dtype=wp.float64, device=device)
+        self.h_out, self.v_out, self.phi_out = (
+            wp.zeros(runs * self.snapshots * padded, dtype=Real, device=device) for _ in range(3)
         )
+
+    def argument(self, name: str) -> Any:
+        """What a kernel gets for an argument of that name."""
+        return self.arrays[name] if name in self.arrays else getattr(self, name)
+
+    @property
+    def U(self) -> tuple[Any, Any, Any]:
+        """The conserved state, three flat arrays: phi h [m], phi h v [m2/s], phi^alpha h [m]."""
+        return self.arrays["U0"], self.arrays["U1"], self.arrays["U2"]
 
     def row(self, r: int) -> int:
         """Element of cell 0 of run r."""
@@ -93,9 +96,10 @@ class State:
         """Put runs at their initial state, as many as there is room for or fewer; the rest of the room is idle."""
         room = self.runs - len(cases)
         self.cells = [case.grid.cells for case in cases] + [0] * room
-        U0, U1, U2, phi, bhat, dbhat = (np.zeros(self.size) for _ in range(6))
+        names = ("U0", "U1", "U2", "phi", "bhat", "dbhat")
+        U0, U1, U2, phi, bhat, dbhat = values = [np.zeros(self.size) for _ in names]
         lo, hi = np.zeros(self.runs, dtype=np.int32), np.zeros(self.runs, dtype=np.int32)
-        params = np.zeros(self.runs, dtype=self.precision.RunParams.numpy_dtype())
+        params = np.zeros(self.runs, dtype=self.params.dtype.numpy_dtype())
         for r, case in enumerate(cases):
             cells = slice(self.row(r), self.row(r) + case.grid.cells)
             h, phi_0 = case.initial_state()
@@ -113,29 +117,22 @@ class State:
         phi[phi == 0.0] = 0.5  # between rows and in idle ones: anything that can be divided by
 
         self._slab.zero_()
-        for array, values in (
-            (self.U[0], U0),
-            (self.U[1], U1),
-            (self.U[2], U2),
-            (self.phi, phi),
-            (self.bhat, bhat),
-            (self.dbhat, dbhat),
-        ):
-            array.assign(values)
+        for name, each in zip(names, values, strict=True):
+            self.arrays[name].assign(each)
         self.params.assign(params)
         self.lo.assign(lo)
         self.hi.assign(hi)
         present = np.arange(self.runs) < len(cases)
         self.active.assign(present.astype(np.int32))
         self.due.assign((present & (self.outputs.times[0] == 0.0)).astype(np.int32))
-        self.left.assign(np.array([case.grid.left for case in cases] + [0.0] * room))
+        self.x_left.assign(np.array([case.grid.left for case in cases] + [0.0] * room))
         for array in (self.t, self.steps, self.output, self.max_speed, self.max_viscosity, self.dt_exact):
             array.zero_()
         self.status.fill_(OK)
         self.bad_cell.fill_(-1)
-        self.speed.fill_(0.0)
+        self.v_flow.fill_(0.0)
         self.scalars.fill_(np.nan)
-        for array in self.snapshots:
+        for array in (self.h_out, self.v_out, self.phi_out):
             array.fill_(np.nan)
 
     def of_run(self, array: Any, r: int) -> Array:
@@ -149,15 +146,15 @@ class State:
     def recorded_profiles(self) -> tuple[Array, ...]:
         """h [m], v [m/s], phi of the snapshots so far, each (runs, snapshots, padded); NaN where there is none yet."""
         shape = (self.runs, self.outputs.snapshots, self.padded)
-        return tuple(np.array(array.numpy()).reshape(shape) for array in self.snapshots)
+        return tuple(np.array(array.numpy()).reshape(shape) for array in (self.h_out, self.v_out, self.phi_out))
 
 
 def _window(U0: Array, padded: int, limited: bool) -> tuple[int, int]:
-    """First and one-past-last cell to visit: all that holds mass and an empty cell on either side, in whole blocks."""
+    """First and one-past-last cell to visit: all that holds mass and EMPTY cells on either side, in whole blocks."""
     wet = np.flatnonzero(U0)
     if not limited or wet.size == 0:
         return 0, padded
-    return max(int(wet[0]) - 1, 0) // BLOCK * BLOCK, min(padded_cells(int(wet[-1]) + 1), padded)
+    return max(int(wet[0]) - first.EMPTY, 0) // BLOCK * BLOCK, min(padded_cells(int(wet[-1]) + first.EMPTY), padded)
 
 
 def _parameters(case: Case, row: int, padded: int) -> dict[str, float]:
@@ -165,13 +162,13 @@ def _parameters(case: Case, row: int, padded: int) -> dict[str, float]:
     r, scheme = case.rheology, case.scheme
     ghost = {"wall": -1.0, "open": 1.0, "periodic": 1.0}
     return {
-        "cells": case.grid.cells, "row": row, "padded": padded, "step_limit": min(case.time.step_limit, 2**31 - 1),
+        "cells": case.grid.cells, "row": row, "longest": padded, "step_limit": min(case.time.step_limit, 2**31 - 1),
         "dx": case.dx, "per_dx": 1.0 / case.dx, "g_c": case.g_c, "cfl": scheme.cfl,
         "mu1": r.mu1, "dmu": r.mu2 - r.mu1, "I0": r.I0, "d": r.grain_diameter,
         "K": r.K, "K_tilde": r.K_tilde, "phi_stat": r.phi_stat, "N": r.phi_eq_N,
         "wall": r.mu_wall / r.channel_width, "h_min": case.h_min, "h_front": scheme.h_front,
         "rest_speed": case.time.rest_speed if case.time.stop_at_rest else -1.0,
-        "alpha": scheme.alpha, "a": scheme.alpha - 1.0, "root": 1.0 / (scheme.alpha - 1.0),
+        "a": scheme.alpha - 1.0, "per_a": 1.0 / (scheme.alpha - 1.0),
         "per_2a": 0.5 / (scheme.alpha - 1.0), "per_2alpha_1": 1.0 / (2.0 * scheme.alpha - 1.0),
         "head": scheme.lambda_ / case.g_c,
         "xi1": scheme.xi[0], "xi2": scheme.xi[1], "xi3": scheme.xi[2], "xi_max": max(scheme.xi),
@@ -179,20 +176,24 @@ def _parameters(case: Case, row: int, padded: int) -> dict[str, float]:
     }  # fmt: skip
 
 
-def bytes_of_run(cells: int, outputs: Outputs, precision: str) -> int:
+def bytes_of_run(cells: int, outputs: Outputs, variant: Variant) -> int:
     """Device memory that one run takes, with its recorded output."""
-    real = 8 if precision == "float64" else 4
+    real = 8 if variant.precision == "float64" else 4
     row = padded_cells(cells)
-    return real * ((row + MARGIN) * ARRAYS + 3 * outputs.snapshots * row) + 8 * outputs.samples * len(SCALARS)
+    return real * ((row + MARGIN) * len(first.ARRAYS) + 3 * outputs.snapshots * row) + 8 * outputs.samples * len(
+        SCALARS
+    )
 
 
-def most_runs(padded: int, outputs: Outputs) -> int:
+def most_runs(padded: int, outputs: Outputs, variant: Variant) -> int:
     """Runs that a state may have room for, whatever the memory: Warp counts the elements of an array in 31 bits.
 
     Args:
         padded: Elements of a row.
         outputs: When the runs are recorded.
+        variant: What is compiled in.
     """
-    elements = 2**31 - 1 - ARRAYS * 5 * MARGIN  # less what lies between the arrays of the slab
-    row = ARRAYS * (padded + MARGIN), outputs.snapshots * padded, outputs.samples * len(SCALARS)
+    arrays = len(first.ARRAYS)
+    elements = 2**31 - 1 - arrays * 5 * MARGIN  # less what lies between the arrays of the slab
+    row = arrays * (padded + MARGIN), outputs.snapshots * padded, outputs.samples * len(SCALARS)
     return elements // max(row)

@@ -1,77 +1,30 @@
-"""The rheology at a point: state to h and phi, inertial number, mu(I), phi_eq(I), effective friction, dilatancy.
+"""Rheology of a state in order 1: from U to h, phi and friction, and the relaxation of phi.
 
-Divisions bound the cost of a step, so laws are passed as fractions, numerator and denominator apart, and those that are
-needed together share divisions. So is the inertial number I = num/den (2.10), (2.11), (2.15).
+Each function comes twice: plainly, and with all that it divides by in a single division, see kernels/laws.py.
 """
 
 from typing import Any, NamedTuple
 
 import warp as wp
 
+from warpgran.kernels.laws import Laws
 from warpgran.kernels.precision import Variant, precision
 
 
 class Rheology(NamedTuple):
-    """Functions of one variant; see each below."""
+    """Functions of one variant, see each below; `properties` and `relaxed` are the forms that the kernels call."""
 
-    power: Any
-    root: Any
-    phi_at_rest: Any
-    friction: Any
     properties: Any
     relaxed: Any
+    plain: tuple[Any, Any]
+    by_one: tuple[Any, Any]
 
 
-def make(variant: Variant) -> Rheology:
+def make(variant: Variant, laws: Laws) -> Rheology:
     """The functions of a variant."""
     kinds = precision(variant.precision)
     Real, RunParams = kinds.Real, kinds.RunParams
-
-    @wp.func
-    def same(x: Real, p: RunParams) -> Real:
-        """x^(alpha - 1) and x^(1/(alpha - 1)) for alpha = 2."""
-        return x
-
-    @wp.func
-    def power_of_any(x: Real, p: RunParams) -> Real:
-        """x^(alpha - 1)."""
-        return wp.pow(x, p.a)
-
-    @wp.func
-    def root_of_any(x: Real, p: RunParams) -> Real:
-        """x^(1/(alpha - 1))."""
-        return wp.pow(x, p.root)
-
-    power, root = (same, same) if variant.alpha_two else (power_of_any, root_of_any)
-
-    # phi_eq of I = num/den as a fraction.
-    @wp.func
-    def f0(num: Real, den: Real, p: RunParams):
-        """Equilibrium volume fraction (2.9), cut off at 0."""
-        return wp.max(Real(0.0), p.phi_stat * den - p.K_tilde * num), den
-
-    @wp.func
-    def f1(num: Real, den: Real, p: RunParams):
-        """Equilibrium volume fraction, exponential."""
-        return p.phi_stat * wp.exp(-p.K_tilde * num / (p.phi_stat * den)), Real(1.0)
-
-    @wp.func
-    def f2(num: Real, den: Real, p: RunParams):
-        """Equilibrium volume fraction, a power of 1/(1 + ...)."""
-        return p.phi_stat * wp.pow(Real(1.0) + p.K_tilde * num / (p.N * p.phi_stat * den), -p.N), Real(1.0)
-
-    @wp.func
-    def f2_one(num: Real, den: Real, p: RunParams):
-        """Equilibrium volume fraction, f2 with N = 1."""
-        return p.phi_stat * p.phi_stat * den, p.phi_stat * den + p.K_tilde * num
-
-    phi_equilibrium = {"f0": f0, "f1": f1, "f2": f2, "f2_one": f2_one}[variant.phi_eq]
-
-    @wp.func
-    def phi_at_rest(p: RunParams) -> Real:
-        """Equilibrium volume fraction where I = 0."""
-        top, bottom = phi_equilibrium(Real(0.0), Real(1.0), p)
-        return top / bottom
+    root, phi_equilibrium, friction = laws.root, laws.phi_equilibrium, laws.friction
 
     # What is left of phi - phi_eq after a step as a fraction; rate/depth is dt gamma K phi.
     @wp.func
@@ -86,24 +39,19 @@ def make(variant: Variant) -> Rheology:
 
     remaining = {"rational": rational, "exponential": exponential}[variant.relaxation]
 
-    @wp.func
-    def friction(mu_I: Real, phi: Real, phi_eq: Real, h: Real, p: RunParams) -> Real:
-        """Effective friction coefficient (2.14) with tan(psi) (2.8) and wall friction (4.1)."""
-        return wp.max(Real(0.0), mu_I + p.K * (phi - phi_eq)) + p.wall * h
-
     # Plainly: decode, then the laws of h, v, phi.
     @wp.func
     def decoded_two(U0: Real, U2: Real, p: RunParams):
         """1/U0, phi and h [m] of a wet state, for alpha = 2."""
-        r = Real(1.0) / (U0 * U2)
-        per_U0 = U2 * r
-        return per_U0, U2 * per_U0, U0 * U0 * (U0 * r)
+        per_UU = Real(1.0) / (U0 * U2)
+        per_U0 = U2 * per_UU
+        return per_U0, U2 * per_U0, U0 * U0 * (U0 * per_UU)
 
     @wp.func
     def decoded_any(U0: Real, U2: Real, p: RunParams):
         """1/U0, phi and h [m] of a wet state."""
         per_U0 = Real(1.0) / U0
-        phi = root_of_any(U2 * per_U0, p)
+        phi = root(U2 * per_U0, p)
         return per_U0, phi, U0 / phi
 
     decoded = decoded_two if variant.alpha_two else decoded_any
@@ -146,14 +94,14 @@ def make(variant: Variant) -> Rheology:
 
     @wp.func
     def properties_by_one(U0: Real, U1: Real, U2: Real, p: RunParams):
-        """As properties."""
+        """`properties` with a single division."""
         num, den = inertia_of_state(U0, U1, U2, wp.max(U0 * U0, p.h_min * U2), p)
         top, bottom = phi_equilibrium(num, den, p)
         scale = num + p.I0 * den
         both = bottom * scale
-        r = Real(1.0) / (U0 * U2 * both)
-        per_both = U0 * U2 * r
-        per_UU = both * r
+        per_all = Real(1.0) / (U0 * U2 * both)
+        per_both = U0 * U2 * per_all
+        per_UU = both * per_all
         per_U0 = U2 * per_UU
         phi = U2 * per_U0
         h = U0 * U0 * (U0 * per_UU)
@@ -162,20 +110,20 @@ def make(variant: Variant) -> Rheology:
 
     @wp.func
     def relaxed_by_one(U0: Real, U1: Real, U2: Real, dt: Real, p: RunParams):
-        """As relaxed."""
+        """`relaxed` with a single division."""
         deep = wp.max(U0 * U0, p.h_min * U2)
         num, den = inertia_of_state(U0, U1, U2, deep, p)
         top, bottom = phi_equilibrium(num, den, p)
         # rate and depth times U0^2 U2
         left, whole = remaining(dt * Real(2.5) * wp.abs(U1) * p.K * U2 * U2, deep * U0 * U0)
         both = bottom * whole
-        r = Real(1.0) / (U0 * both)
-        per_both = U0 * r
-        per_U0 = both * r
+        per_all = Real(1.0) / (U0 * both)
+        per_both = U0 * per_all
+        per_U0 = both * per_all
         phi = U2 * per_U0
         phi_eq = top * (whole * per_both)
         return per_U0, phi_eq + (phi - phi_eq) * (left * (bottom * per_both))
 
-    if variant.alpha_two and variant.precision == "float64":
-        return Rheology(power, root, phi_at_rest, friction, properties_by_one, relaxed_by_one)
-    return Rheology(power, root, phi_at_rest, friction, properties, relaxed)
+    plain, by_one = (properties, relaxed), (properties_by_one, relaxed_by_one)
+    used = by_one if variant.alpha_two and variant.precision == "float64" else plain
+    return Rheology(*used, plain, by_one)

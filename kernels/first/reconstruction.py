@@ -1,20 +1,29 @@
-"""Steps 5 and 6: apparent topography and reconstructed states at interfaces."""
+"""Apparent topography and reconstructed states at interfaces."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import warp as wp
 
+from warpgran.kernels.laws import Laws
 from warpgran.kernels.precision import Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
-from warpgran.kernels.rheology import Rheology
 
 
-def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
+class Reconstruction(NamedTuple):
+    """The kernel of this file, and its functions."""
+
+    reconstruct: Any
+    apparent_slope: Any
+    reconstructed: Any
+    climb: Any
+
+
+def make(variant: Variant, laws: Laws, module: Any) -> Reconstruction:
     """The kernel of a variant."""
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
     tiny = Real(kinds.tiny)
-    power, root = rheology.power, rheology.root
+    power, root = laws.power, laws.root
 
     @wp.func
     def projection(x: Real, mu: Real) -> Real:
@@ -22,7 +31,7 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
         return wp.min(wp.max(x, -mu), mu)
 
     @wp.func
-    def apparent_bed(X: Real, Y: Real, mu: Real) -> Real:
+    def apparent_slope(X: Real, Y: Real, mu: Real) -> Real:
         """Slope of the apparent topography, Proj_mu(X, Y) (3.10)."""
         against = wp.where(Y > Real(0.0), -X, X)
         # 2 Y/(1 + max(1, against/mu)), with one division
@@ -56,36 +65,40 @@ def make(variant: Variant, rheology: Rheology, module: Any) -> Any:
 
     @wp.kernel(module=module)
     def reconstruct(
-        h: A, v: A, phi: A, mu: A, per_mass: A, v_f: A, X: A, dbhat: A, dt: A, params: Params, lo: Ints,
-        hi: Ints, active: Ints, chunks: int,
+        # inputs
+        h: A, v: A, phi: A, mu: A, per_mass: A, v_f: A, X: A, dbhat: A, dt: A,
+        # per run
+        params: Params, lo: Ints, hi: Ints, active: Ints, chunks: int,
+        # outputs
         h_star: A, phi_star: A, Dz: A, iota: A,
     ):  # fmt: skip
         """The jump Dz at each interface, and the state of the side that climbs it; the other side keeps its own.
 
         The left side climbs if Dz > 0, the right side else.
         """
-        t = wp.tid()
-        r = run_of(t, chunks)
-        p = params[r]
-        left = before_first(t, chunks, p.row, lo[r], hi[r])
-        end = end_of(t, chunks, p.row, lo[r], hi[r], active[r]) - 1
-        per_g_dt = Real(1.0) / (p.g_c * dt[r])
+        thread = wp.tid()
+        run = run_of(thread, chunks)
+        p = params[run]
+        left = before_first(thread, chunks, p.row, lo[run], hi[run])
+        end = end_of(thread, chunks, p.row, lo[run], hi[run], active[run]) - 1
+        per_g_dt = Real(1.0) / (p.g_c * dt[run])
         while left < end:
             i = left + 1
             mu_f = Real(0.5) * (mu[left] + mu[i])
-            jump = dbhat[i] + p.dx * apparent_bed(X[i], v_f[i] * per_g_dt, mu_f)
+            jump = dbhat[i] + p.dx * apparent_slope(X[i], v_f[i] * per_g_dt, mu_f)
 
             rising = jump > Real(0.0)
-            h_c = wp.where(rising, h[left], h[i])
-            phi_c = wp.where(rising, phi[left], phi[i])
-            per_mass_c = wp.where(rising, per_mass[left], per_mass[i])
+            h_climbing = wp.where(rising, h[left], h[i])
+            phi_climbing = wp.where(rising, phi[left], phi[i])
+            per_mass_climbing = wp.where(rising, per_mass[left], per_mass[i])
             phi_over = wp.where(rising, phi[i], phi[left])
-            h_s, phi_s = reconstructed(h_c, phi_c, per_mass_c, phi_over, climb(jump, v[left], v[i], p), p)
+            z = climb(jump, v[left], v[i], p)
+            h_i, phi_i = reconstructed(h_climbing, phi_climbing, per_mass_climbing, phi_over, z, p)
 
-            h_star[i] = h_s
-            phi_star[i] = phi_s
+            h_star[i] = h_i
+            phi_star[i] = phi_i
             Dz[i] = jump
             iota[i] = wp.max(v_f[i] * jump, Real(0.0))
             left += wp.block_dim()
 
-    return reconstruct
+    return Reconstruction(reconstruct, apparent_slope, reconstructed, climb)
