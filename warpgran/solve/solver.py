@@ -102,11 +102,11 @@ class Solver:
         """Start anew with other runs, of the same variant."""
         with _calls:
             self.state.load(cases)
-            self._launch(self.stages.load)
+            self.launch(self.stages.load)
 
     def step(self) -> None:
         """One step of every active run, each by its own dt and not beyond its next output time."""
-        self._launch(self.stages.step)
+        self.launch(self.stages.step)
 
     def replay(self, budget: int | None = None) -> bool:
         """Steps until every run has ended, without a return to Python; True once that is so.
@@ -117,13 +117,13 @@ class Solver:
         with _calls:
             s.budget.fill_(self.steps_per_replay if budget is None else budget)
             s.running.zero_()
-            self._launch(self.stages.start)
+            self.launch(self.stages.start)
         wp.capture_launch(self._graph)
         wp.synchronize_device(self.device)  # a GPU is waited for here, so that others may call Warp meanwhile
         with _calls:
             return not s.active.numpy().any()
 
-    def _launch(self, stages: Sequence[Stage]) -> None:
+    def launch(self, stages: Sequence[Stage]) -> None:
         """Launch stages one after another; each argument of a kernel is that of its name."""
         state = self.state
         threads = {
