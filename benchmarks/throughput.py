@@ -85,7 +85,7 @@ def throughput(crews: Crews, effort: Effort) -> tuple[Figures, list[dict[str, An
     blocks = {work: work.blocks() for work in wanted}
     return figures, [
         asdict(work)
-        | {"blocks": len(blocks[work]), "runs_in_block": blocks[work][0].room, "processors": processors[work]}
+        | {"blocks": len(blocks[work]), "runs_in_block": blocks[work][0].capacity, "processors": processors[work]}
         | {"visited": crews.of(work)[0].visited, "rounds": values}
         for work, values in figures.items()
     ]
@@ -149,7 +149,7 @@ def by_stage(crews: Crews, effort: Effort) -> dict[str, dict[str, list[float]]]:
         work = Work(1000, 64, precision)
         figures, _ = measured(stages(crews.of(work)[0], work.cells), effort.rounds)
         found[precision] = figures
-        heading(f"By kernel, {precision}, a block of {work.blocks()[0].room} runs of 1000 cells, ns per cell")
+        heading(f"By kernel, {precision}, a block of {work.blocks()[0].capacity} runs of 1000 cells, ns per cell")
         listed(figures, str)
         print(f"{'sum':36s}{sum(map(statistics.median, figures.values())):8.2f}, {len(figures)} launches a step")
     figures, _ = measured(divider(), effort.rounds)

@@ -93,8 +93,8 @@ class Moving:
     """
 
     def __init__(self, case: Case, block: Block, start: float = T_START, **where: Any) -> None:
-        self.solver = Solver(block.room, block.padded, block.variant, Outputs.of(case), **where)
-        self.solver.load([case] * block.room)
+        self.solver = Solver(block.capacity, block.padded, block.variant, Outputs.of(case), **where)
+        self.solver.load([case] * block.capacity)
         state = self.solver.state
         while float(state.t.numpy()[0]) < start:
             self.solver.replay(budget=20)
@@ -143,7 +143,7 @@ class Crews:
     def of(self, work: Work) -> list[Moving]:
         """As many solvers as the work has threads."""
         block = work.blocks()[0]
-        crew = self._kept.setdefault((work.cells, work.precision, work.window, block.room), [])
+        crew = self._kept.setdefault((work.cells, work.precision, work.window, block.capacity), [])
         while len(crew) < work.threads:
             crew.append(Moving(work.case, block))
         return crew[: work.threads]
@@ -152,7 +152,7 @@ class Crews:
         """A round that returns ns per cell-step of a work: time of the thread that takes longest over all it does."""
         crew = self.of(work)
         blocks = work.blocks()
-        in_block = blocks[0].room * work.cells * steps
+        in_block = blocks[0].capacity * work.cells * steps
         repeats = max(1, -(-AT_LEAST * work.threads // (in_block * len(blocks))))
         count = len(blocks) * repeats
         shares = [len(range(thread, count, work.threads)) for thread in range(work.threads)]

@@ -21,5 +21,5 @@ def test_every_thread_has_as_many_blocks_and_they_are_alike(runs: int, threads: 
     assert [run for block in blocks for run in block.runs] == list(range(runs))
     assert len(blocks) % threads == 0 or len(blocks) == runs
     assert max(sizes) - min(sizes) <= 1
-    assert {block.room for block in blocks} == {max(sizes)}
+    assert {block.capacity for block in blocks} == {max(sizes)}
     assert max(sizes) * bytes_of_run(1000, Outputs.none(), blocks[0].variant) <= CACHE

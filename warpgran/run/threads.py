@@ -125,7 +125,7 @@ class _Workers:
         """A solver for a block."""
         from warpgran.solve.solver import Solver
 
-        shape = block.room, block.padded, block.variant
+        shape = block.capacity, block.padded, block.variant
         if getattr(self._kept, "shape", None) != shape:
             self._kept.solver = None  # gives its memory back before the next takes some
             self._kept.solver = Solver(*shape, self._layout.outputs, self.device())

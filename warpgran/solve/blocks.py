@@ -1,4 +1,4 @@
-"""How a study is cut into blocks of runs that are computed together."""
+"""Cutting a study into blocks of runs that are computed together."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from warpgran.solve.state import bytes_of_run, most_runs, padded_cells
 from warpgran.solve.variant import KEYS, variant_of
 
 CACHE = 3 * 2**19
-"""Bytes of state of a block on a CPU, so that what a step visits stays in the second-level cache of a core: about half
-of it with the window, all of it without."""
+"""Bytes of state of a block on a CPU, so that what a step visits stays in the second-level cache of a core."""
 
 
 class Block(NamedTuple):
@@ -22,13 +21,13 @@ class Block(NamedTuple):
 
     Attributes:
         runs: Their numbers in the study.
-        room: Runs the solver has room for, at least as many.
-        padded: Elements of its rows.
+        capacity: Of the solver, >= len(runs); shared by all blocks of one shape.
+        padded: Elements of a row of its arrays.
         variant: What is compiled in.
     """
 
     runs: tuple[int, ...]
-    room: int
+    capacity: int
     padded: int
     variant: Variant
 
@@ -41,11 +40,11 @@ def plan(
     Args:
         study: All runs.
         runs: Numbers of those to compute.
-        outputs: When they are recorded.
+        outputs: Their output schedule.
         precision: "float64" or "float32".
         on_cpu: Whether a block is to fit the cache of a core, rather than fill the memory.
-        threads: Blocks computed at once; each gets some of the runs.
-        memory: Bytes that those may take together.
+        threads: Blocks computed at once; each thread gets some of the runs.
+        memory: Bytes that these blocks may take together.
 
     Raises:
         MemoryError: A single run takes more, or more than any memory; the message says how much.
@@ -58,30 +57,30 @@ def plan(
         size = bytes_of_run(padded - 1, outputs, variant)
         if size > memory:
             raise MemoryError(f"a run of {padded - 1} cells takes {size / 2**20:.0f} MiB; allow that much or more")
-        most = most_runs(padded, outputs, variant)
-        if most == 0:
+        fit = most_runs(padded, outputs, variant)
+        if fit == 0:
             kept = f"{outputs.snapshots} snapshots and {outputs.samples} samples"
             raise MemoryError(
                 f"a run of {padded - 1} cells with {kept} has more numbers than fit an array; ask for fewer"
             )
-        room = min(int(memory / max(1, min(threads, len(members))) // size), most, -(-len(members) // threads))
+        most = min(int(memory / max(1, min(threads, len(members))) // size), fit, -(-len(members) // threads))
         if on_cpu:
-            room = min(room, CACHE // bytes_of_run(padded - 1, Outputs.none(), variant))
-        parts = _evenly(members, max(1, room), threads)
+            most = min(most, CACHE // bytes_of_run(padded - 1, Outputs.none(), variant))
+        parts = _evenly(members, max(1, most), threads)
         blocks += [Block(part, len(parts[0]), padded, variant) for part in parts]
     return blocks
 
 
-def _evenly(runs: Sequence[int], room: int, threads: int) -> list[tuple[int, ...]]:
-    """Cut into parts of at most `room`, as many for each thread, and alike but for one run; the largest comes first."""
-    each = -(-len(runs) // (room * threads))
+def _evenly(runs: Sequence[int], most: int, threads: int) -> list[tuple[int, ...]]:
+    """Parts of at most `most` runs, as many for each thread, equal but for one run; the largest comes first."""
+    each = -(-len(runs) // (most * threads))
     count = min(each * threads, len(runs))
     ends = [-(-len(runs) * k // count) for k in range(count + 1)]
     return [tuple(runs[begin:end]) for begin, end in pairwise(ends)]
 
 
 def _kinds(study: Study, runs: Sequence[int], precision: str) -> list[tuple[Variant, int]]:
-    """Variant and padded cells, in steps of a quarter, of each run."""
+    """Variant and elements of a row, rounded up, of each run."""
     keys = [key for key in (*KEYS, "grid.cells") if key in study.keys]
     columns = [study.values(key) for key in keys]
     known: dict[tuple[object, ...], tuple[Variant, int]] = {}
@@ -96,6 +95,6 @@ def _kinds(study: Study, runs: Sequence[int], precision: str) -> list[tuple[Vari
 
 
 def _rounded(padded: int) -> int:
-    """Up to three significant binary digits, so that grids of nearly one size share a block."""
+    """Round up to three significant binary digits, so that grids of nearly one size share a block."""
     unit = 1 << max(0, padded.bit_length() - 3)
     return padded_cells(-(-padded // unit) * unit - 1)

@@ -1,4 +1,4 @@
-"""Warp and its devices: starting it quietly, finding one, saying what there is."""
+"""Warp and its devices: starting Warp quietly, finding and listing devices."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from warpgran.errors import WarpgranError
 
 
 class DeviceError(WarpgranError, ValueError):
-    """A device that is not there; the message lists those that are."""
+    """A device that does not exist; the message lists those that do."""
 
 
 def start_quietly() -> None:
@@ -31,13 +31,13 @@ def start_quietly() -> None:
 
 
 def find_device(name: str) -> str:
-    """The name Warp gives a device that is there.
+    """Warp's name of an existing device.
 
     Args:
         name: "cpu", "cuda" or "cuda:N".
 
     Raises:
-        DeviceError: It is not there, or its driver is too old.
+        DeviceError: It does not exist, or its driver is too old.
     """
     try:
         if name.startswith("cuda") and not wp.is_cuda_available():
@@ -52,13 +52,13 @@ def find_device(name: str) -> str:
 
 
 def find_devices(names: str) -> tuple[str, ...]:
-    """The names Warp gives devices that are there, each of which computes in a thread of its own.
+    """Warp's names of existing devices, each of which computes in a thread of its own.
 
     Args:
-        names: One, or several of a kind with commas between: "cuda:0,cuda:1". The cpu may be named more than once.
+        names: One, or several of a kind, separated by commas: "cuda:0,cuda:1". The cpu may be named more than once.
 
     Raises:
-        DeviceError: One is not there, has too old a driver, or does not go with the others.
+        DeviceError: One does not exist, has too old a driver, or is of another kind than the others.
     """
     found = tuple(find_device(name.strip()) for name in names.split(","))
     if len({name.partition(":")[0] for name in found}) > 1:
@@ -69,7 +69,7 @@ def find_devices(names: str) -> tuple[str, ...]:
 
 
 def _of_the_driver() -> str:
-    """What to add where there is no GPU but an NVIDIA driver."""
+    """What to add to the message where there is an NVIDIA driver but no GPU."""
     driver = wp.get_cuda_driver_version()
     if driver is None or wp.get_cuda_device_count():
         return ""
@@ -88,7 +88,7 @@ def memory_of(device: str) -> float:
 
 
 def free_memory_of(device: str) -> float:
-    """Bytes of memory of a device that nobody uses, 0 if not known."""
+    """Bytes of free memory of a device, 0 if not known."""
     found = wp.get_device(device)
     return float(found.free_memory) if found.is_cuda else _ram("SC_AVPHYS_PAGES") * 2**30
 

@@ -1,4 +1,4 @@
-"""What computes a block of runs: the Warp kernels, or the NumPy reference. Both hand over the same `Finished`."""
+"""The two engines that compute a block of runs, Warp kernels and NumPy reference; both return a `Finished`."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from warpgran.solve.solver import Solver
 
 GoOn = Callable[[float], bool]
-"""Asked now and then, with the mean time reached [s], whether to go on."""
+"""Called now and then with the mean time reached [s]; False interrupts the runs."""
 
 
 def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
-    """Compute cases in a solver that has room for them and is of their variant.
+    """Compute cases in a solver of their variant and of sufficient capacity.
 
     Whether a run has diverged is judged at output times alone, so that it does not depend on how the steps between
-    are grouped; the step where it happened is then looked for.
+    are grouped; the step where it happened is then searched for.
     """
     solver.load(cases)
     n, state = len(cases), solver.state
@@ -49,7 +49,7 @@ def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
 
 
 def _find_failure(case: Case, output: int, precision: str, device: str) -> Failure:
-    """Compute a run alone, which gives the same bits, and look at every step on the way to the output it did not reach.
+    """Compute a run alone, which gives the same bits, and check every step up to the output that it did not reach.
 
     Args:
         case: One that diverges.
@@ -79,7 +79,7 @@ def run_reference(cases: Sequence[Case], go_on: GoOn) -> Finished:
     return _joined([_run_one(case, go_on) for case in cases])
 
 
-QUESTIONS = 100  # steps of the reference between two questions whether to go on
+CALL_EVERY = 100  # steps of the reference between two calls of GoOn
 
 
 def _run_one(case: Case, go_on: GoOn) -> Finished:
@@ -116,15 +116,15 @@ def _run_one(case: Case, go_on: GoOn) -> Finished:
 
 
 def _advance(run: Reference, t_out: float, go_on: GoOn) -> Status:
-    """Bring a run to t_out [s], if it gets there."""
+    """Advance a run to t_out [s]; how that ended."""
     while run.t < t_out:
         if run.steps >= run.case.time.step_limit:
             return Status.STEP_LIMIT
-        with np.errstate(all="ignore"):  # what comes of it is judged at the output time
+        with np.errstate(all="ignore"):  # the result is judged at the output time
             dt = run.step(t_out)
         if not dt > 0.0:
             return Status.DIVERGED
-        if run.steps % QUESTIONS == 0 and not go_on(run.t):
+        if run.steps % CALL_EVERY == 0 and not go_on(run.t):
             return Status.INTERRUPTED
     return Status.OK
 

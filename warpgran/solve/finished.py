@@ -1,4 +1,4 @@
-"""What an engine hands over: runs that have ended, and where those that diverged did so."""
+"""What an engine returns: runs that have ended, and where those that diverged did so."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Failure:
     """Where a run diverged.
 
     Attributes:
-        time: Of the last sound state, s.
+        time: Time of the last sound state, s.
         step: The step that spoiled it.
         cell: Index, -1 if it is the time step that failed.
         x: Centre of the cell, m.
@@ -45,7 +45,7 @@ class Finished:
         profiles: h [m], v [m/s], phi of the snapshots, each (runs, snapshots, cells or more).
         status, steps, end_time: Per run; codes of schema.Status, -, s.
         failures: By run, those that have diverged.
-        seconds: Of the time loop alone.
+        seconds: Wall time of the time loop alone.
     """
 
     scalars: Array

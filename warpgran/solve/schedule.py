@@ -1,4 +1,4 @@
-"""When a batch is looked at: the output times that its runs share."""
+"""The output schedule that all runs of a batch share."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Outputs:
 
     @staticmethod
     def of(case: Case) -> Outputs:
-        """Those that a case asks for."""
+        """The schedule of a case."""
         times = np.array(case.output_times)
         return Outputs(times, _places(times, case.snapshot_times), _places(times, case.sample_times))
 

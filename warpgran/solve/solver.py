@@ -22,7 +22,7 @@ LANES = 256
 CHUNK = 1024
 """Cells that such a block walks."""
 REPLAY = 20_000_000
-"""Cell-steps between two returns to Python: a fraction of a second, so that an interruption is noticed; 100 times as
+"""Cell-steps between two returns to Python, a fraction of a second, so that an interruption is noticed; 100 times as
 many on a GPU."""
 MOST_STEPS = 20_000
 """Steps between two returns, since the steps of a few small runs take some 20 microseconds at least on a GPU."""
@@ -34,9 +34,9 @@ alone run side by side."""
 
 
 class Solver:
-    """Room for a block of runs of one variant on one device, and the time loop over them.
+    """A block of runs of one variant on one device, and the time loop over them.
 
-    Each run goes through the output times at its own pace and is retired when it reaches the last, comes to rest,
+    Each run passes the output times at its own pace and is retired when it reaches the last, comes to rest,
     diverges or is out of steps.
     """
 
@@ -54,10 +54,10 @@ class Solver:
         """Allocate, compile what is not in the cache, and record the time loop.
 
         Args:
-            runs: How many there is room for.
+            runs: Capacity.
             padded: Elements of the longest row, `state.padded_cells` of its cells.
             variant: What is compiled in, see `variant_of`.
-            outputs: When the runs are recorded.
+            outputs: The output schedule of the runs.
             device: A Warp device, "cpu" or "cuda:N".
             lanes: Threads that walk a chunk of a run's cells side by side; one on the CPU by default, LANES on a GPU.
                 More than one on the CPU is for tests, and needs `wp.config.enable_cpu_blocks`.
@@ -65,7 +65,7 @@ class Solver:
 
         Raises:
             ValueError: The device has no such lanes.
-            MemoryError: The device has no room for so many runs; the message says for how many.
+            MemoryError: The device cannot hold so many runs; the message says how many it can.
         """
         self.device = wp.get_device(device)
         self.lanes = lanes or (1 if self.device.is_cpu else LANES)
@@ -92,14 +92,14 @@ class Solver:
 
     @classmethod
     def holding(cls, cases: Sequence[Case], *, precision_name: str = "float64", device: str = "cpu") -> Solver:
-        """A solver loaded with cases of one variant, recorded as the first asks."""
+        """A solver loaded with cases of one variant, with the output schedule of the first."""
         padded = padded_cells(max(case.grid.cells for case in cases))
         solver = cls(len(cases), padded, variant_of(cases[0], precision_name), Outputs.of(cases[0]), device)
         solver.load(cases)
         return solver
 
     def load(self, cases: Sequence[Case]) -> None:
-        """Start anew with other runs, of the same variant."""
+        """Replace the runs by others of the same variant, no more than the capacity."""
         with _calls:
             self.state.load(cases)
             self.launch(self.stages.load)

@@ -93,9 +93,9 @@ class State:
         return MARGIN + r * self.pitch
 
     def load(self, cases: Sequence[Case]) -> None:
-        """Put runs at their initial state, as many as there is room for or fewer; the rest of the room is idle."""
-        room = self.runs - len(cases)
-        self.cells = [case.grid.cells for case in cases] + [0] * room
+        """Put runs at their initial state, no more than the capacity; the rest of it is idle."""
+        idle = self.runs - len(cases)
+        self.cells = [case.grid.cells for case in cases] + [0] * idle
         names = ("U0", "U1", "U2", "phi", "bhat", "dbhat")
         U0, U1, U2, phi, bhat, dbhat = values = [np.zeros(self.size) for _ in names]
         lo, hi = np.zeros(self.runs, dtype=np.int32), np.zeros(self.runs, dtype=np.int32)
@@ -125,7 +125,7 @@ class State:
         present = np.arange(self.runs) < len(cases)
         self.active.assign(present.astype(np.int32))
         self.due.assign((present & (self.outputs.times[0] == 0.0)).astype(np.int32))
-        self.x_left.assign(np.array([case.grid.left for case in cases] + [0.0] * room))
+        self.x_left.assign(np.array([case.grid.left for case in cases] + [0.0] * idle))
         for array in (self.t, self.steps, self.output, self.max_speed, self.max_viscosity, self.dt_exact):
             array.zero_()
         self.status.fill_(OK)
@@ -177,7 +177,7 @@ def _parameters(case: Case, row: int, padded: int) -> dict[str, float]:
 
 
 def bytes_of_run(cells: int, outputs: Outputs, variant: Variant) -> int:
-    """Device memory that one run takes, with its recorded output."""
+    """Device memory of one run [bytes], with its recorded output."""
     real = 8 if variant.precision == "float64" else 4
     row = padded_cells(cells)
     return real * ((row + MARGIN) * len(first.ARRAYS) + 3 * outputs.snapshots * row) + 8 * outputs.samples * len(
@@ -186,11 +186,11 @@ def bytes_of_run(cells: int, outputs: Outputs, variant: Variant) -> int:
 
 
 def most_runs(padded: int, outputs: Outputs, variant: Variant) -> int:
-    """Runs that a state may have room for, whatever the memory: Warp counts the elements of an array in 31 bits.
+    """Largest capacity of a state, whatever the memory: Warp counts the elements of an array in 31 bits.
 
     Args:
         padded: Elements of a row.
-        outputs: When the runs are recorded.
+        outputs: The output schedule of the runs.
         variant: What is compiled in.
     """
     arrays = len(first.ARRAYS)
