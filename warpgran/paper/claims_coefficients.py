@@ -8,17 +8,7 @@ import xarray as xr
 from warpgran.analysis.correlation import rank_correlation
 from warpgran.arrays import Array
 from warpgran.paper.claim import Finding, claim
-from warpgran.paper.measures import (
-    extent,
-    field,
-    front_of,
-    front_zone,
-    mass,
-    mean,
-    over,
-    rear,
-    same_cells,
-)
+from warpgran.paper.measures import extent, field, front_of, front_zone, mass, mean, over, rear, same_cells
 from warpgran.paper.results import K_PAPER, Results, at, collapse
 
 FOUR = (0.0, 1.0, K_PAPER, 8.0)

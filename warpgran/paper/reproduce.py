@@ -16,7 +16,7 @@ from warpgran.paper.claim import Finding
 from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.picture import Picture
 from warpgran.paper.report import Judged, counted, put_claims, put_picture, put_sources, write_csv
-from warpgran.paper.results import Computed, Results
+from warpgran.paper.results import Results, StoredResults
 from warpgran.paper.settings import DEFAULTS, SETTINGS, Setting
 from warpgran.run.options import Options
 
@@ -100,12 +100,12 @@ def draw(picture: Picture, results: Results, laboratory: Laboratory, folder: Pat
                 figure.savefig(part, dpi=180, metadata=metadata)
 
 
-def _results(plan: Plan, setting: Setting, progress: Progress, whole: bool = True) -> Computed:
+def _results(plan: Plan, setting: Setting, progress: Progress, whole: bool = True) -> StoredResults:
     def named(name: str, runs: int, done: float) -> None:
         progress(f"{setting.name}/{name}", runs, done)
 
     folder = plan.output / "results" / setting.name
-    return Computed(setting, plan.runs, folder, plan.options, plan.overrides, named, whole)
+    return StoredResults(setting, plan.runs, folder, plan.options, plan.overrides, named, whole)
 
 
 def _judged(plan: Plan, progress: Progress, tell: Tell) -> list[Judged]:

@@ -33,7 +33,7 @@ class Results(Protocol):
         """One run of a run file, by the last part of its swept keys: `run("collapses", angle=22, phi=0.62, K=0)`."""
 
 
-class Computed:
+class StoredResults:
     """Results kept in a folder, a file for each run file.
 
     Attributes:

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from warpgran.errors import OptionError
 from warpgran.verification import cap, columns, convergence, dams, jumps, manufactured, properties, rest, uniform
-from warpgran.verification.outcome import Check, Outcome, Row, Setting
+from warpgran.verification.check import Check, CheckOptions, CheckResult, Row
 from warpgran.verification.plots import style
 
 CASES: dict[str, Check] = {
@@ -21,11 +21,11 @@ CASES: dict[str, Check] = {
     "relaxation": uniform.relaxation,
     "manufactured": manufactured.manufactured,
     "riemann": jumps.riemann,
-    "convergence": lambda setting: convergence.convergence(device=setting.device, precision=setting.precision),
-    "columns": lambda setting: columns.columns(device=setting.device, precision=setting.precision),
+    "convergence": lambda options: convergence.convergence(device=options.device, precision=options.precision),
+    "columns": lambda options: columns.columns(device=options.device, precision=options.precision),
 }
 DEEP: dict[str, Check] = {
-    "properties": lambda setting: properties.deep(),  # on the CPU, in both precisions
+    "properties": lambda options: properties.deep(),  # on the CPU, in both precisions
 }
 """Those that take longer: asked for by --deep or by their name."""
 
@@ -47,13 +47,13 @@ def chosen(names: Sequence[str], deep: bool = False) -> dict[str, Check]:
 
 
 def run(
-    checks: Mapping[str, Check], setting: Setting, begun: Callable[[str], None] = lambda name: None
-) -> dict[str, Outcome]:
+    checks: Mapping[str, Check], options: CheckOptions, begun: Callable[[str], None] = lambda name: None
+) -> dict[str, CheckResult]:
     """Compute cases, one after another. One that cannot be computed is one that does not hold.
 
     Args:
         checks: By name.
-        setting: How.
+        options: How to compute.
         begun: Told the name of each as it begins.
     """
     outcomes = {}
@@ -61,8 +61,8 @@ def run(
         begun(name)
         try:
             with style():
-                outcomes[name] = check(setting)
+                outcomes[name] = check(options)
         except RuntimeError as error:  # a run that did not reach its end
             row = Row("the computation itself", float("nan"), "-", "it ends", False)
-            outcomes[name] = Outcome(name, (str(error),), (row,))
+            outcomes[name] = CheckResult(name, (str(error),), (row,))
     return outcomes

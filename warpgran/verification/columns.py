@@ -18,7 +18,7 @@ from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
 from warpgran.schema import Status
-from warpgran.verification.outcome import Outcome, Row
+from warpgran.verification.check import CheckResult, Row
 
 LENGTH = 0.2
 """Of the columns, l_0, m."""
@@ -107,7 +107,7 @@ def columns(
     *,
     device: str = "cpu",
     precision: Precision = "float64",
-) -> Outcome:
+) -> CheckResult:
     """Run-out and height over the aspect ratio, with the friction of glass beads and with far too much."""
     beads = collapse(column(cells_per_length), ratios, device, precision)
     steep = collapse(column(cells_per_length, **STEEP), ratios, device, precision)
@@ -121,7 +121,7 @@ def columns(
         "That is shown, not asked. The summit of a column of a < 0.7 stays where it was (Lajeunesse et al. 2005), here "
         "too; above, heights grow with a power of a, 1/3 or 2/5 in the experiments.",
     )
-    return Outcome("Columns of any aspect ratio", text, _rows(beads, steep), {"columns": draw(beads, steep)})
+    return CheckResult("Columns of any aspect ratio", text, _rows(beads, steep), {"columns": draw(beads, steep)})
 
 
 def _rows(beads: Deposits, steep: Deposits) -> tuple[Row, ...]:

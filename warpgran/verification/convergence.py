@@ -18,7 +18,7 @@ from warpgran.case.case import Case
 from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
-from warpgran.verification.outcome import Outcome, Row
+from warpgran.verification.check import CheckResult, Row
 
 CELLS = (250, 500, 1000, 2000, 4000, 8000)
 WANTED = 0.01
@@ -79,7 +79,7 @@ def refine(
     }
 
 
-def convergence(cells: Sequence[int] = CELLS, *, device: str = "cpu", precision: Precision = "float64") -> Outcome:
+def convergence(cells: Sequence[int] = CELLS, *, device: str = "cpu", precision: Precision = "float64") -> CheckResult:
     """The collapses on all grids: errors against Richardson's estimate, orders, and cells for one percent."""
     found = {collapse: refine(collapse, cells, device, precision) for collapse in COLLAPSES}
     rows = [_row(collapse, t, series) for collapse, all_of_it in found.items() for (t, _), series in all_of_it.items()]
@@ -91,7 +91,7 @@ def convergence(cells: Sequence[int] = CELLS, *, device: str = "cpu", precision:
         "place moves on by as much at every halving of the cells, and the volume with it. So it is asked only that the "
         f"front at 10 mm and the maximum height are within 3 percent on {JUDGED} cells.",
     )
-    return Outcome("Which grid gives one percent", text, tuple(rows), {"convergence": draw(found)})
+    return CheckResult("Which grid gives one percent", text, tuple(rows), {"convergence": draw(found)})
 
 
 def _row(collapse: Collapse, t: float, series: Refined) -> Row:

@@ -12,8 +12,8 @@ from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.case.sections import Grid
 from warpgran.run.simulate import simulate
+from warpgran.verification.check import CheckOptions, Row
 from warpgran.verification.exact import Flow
-from warpgran.verification.outcome import Row, Setting
 
 Fields = tuple[Array, Array, Array]
 Exact = Callable[[Array, float], Fields]
@@ -94,7 +94,7 @@ class Computed:
 
 
 @dataclass(frozen=True)
-class Study:
+class Comparison:
     """One problem on all grids.
 
     Attributes:
@@ -157,18 +157,18 @@ def falling(compared: str, unit: str, errors: Sequence[tuple[int, float]], least
     return Row(compared, last, unit, bound, bool(order >= least_order and last <= most), order, tuple(errors))
 
 
-def study(
-    setting: Setting,
+def compare(
+    options: CheckOptions,
     start: Callable[[int], Case],
     exact: Exact,
     times: Sequence[float],
     coarsest: int,
     span: Callable[[float], tuple[float, float]] | None = None,
-) -> Study:
-    """Compute a problem on all grids of a setting.
+) -> Comparison:
+    """Compute a problem on all grids.
 
     Args:
-        setting: How.
+        options: How to compute.
         start: The case with so many cells.
         exact: What it should be.
         times: Of the comparison, s, > 0.
@@ -176,19 +176,19 @@ def study(
         span: The ends of what is compared at a time, m; by default the grid's.
     """
     output = {"time.end": float(times[-1]), "time.snapshots": [float(t) for t in times]}
-    cases = [start(cells).with_(**output) for cells in setting.cells(coarsest)]
-    grids = tuple(computed(case, setting) for case in cases)
+    cases = [start(cells).with_(**output) for cells in options.cells(coarsest)]
+    grids = tuple(computed(case, options) for case in cases)
     ends = cases[0].grid.left, cases[0].grid.right
-    return Study(exact, tuple(times), grids, span or (lambda t: ends))
+    return Comparison(exact, tuple(times), grids, span or (lambda t: ends))
 
 
-def computed(case: Case, setting: Setting) -> Computed:
+def computed(case: Case, options: CheckOptions) -> Computed:
     """A case computed, at its snapshots.
 
     Raises:
         RuntimeError: It did not reach its end.
     """
-    data = simulate(case, device=setting.device, precision=setting.precision).isel(run=0)
+    data = simulate(case, device=options.device, precision=options.precision).isel(run=0)
     if not np.isfinite(data["h"].values).all():
         raise RuntimeError(f"{case.title or 'a run'} with {case.grid.cells} cells did not reach its end")
     return Computed(data["x"].values, data["h"].values, data["v"].values, data["phi"].values, case.dx)

@@ -17,7 +17,7 @@ from warpgran.case.case import Case
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
 from warpgran.schema import FIELDS, SERIES, Status
-from warpgran.verification.outcome import Outcome, Row
+from warpgran.verification.check import CheckResult, Row
 from warpgran.verification.space import AXES, SCALES, case_at
 
 PRECISIONS: tuple[Precision, ...] = ("float64", "float32")
@@ -149,7 +149,7 @@ def run_files(findings: Findings) -> dict[str, str]:
     }
 
 
-def deep(count: int = 2048, seed: int = 2026) -> Outcome:
+def deep(count: int = 2048, seed: int = 2026) -> CheckResult:
     """The properties over 2 x 5 x `count` runs, minutes of computing."""
     found = search(count, seed)
     text = (
@@ -176,4 +176,4 @@ def deep(count: int = 2048, seed: int = 2026) -> Outcome:
         rows.append(
             Row(f"change of mass between closed ends, {precision}", change, "-", f"<= {bound:g}", change <= bound)
         )
-    return Outcome("Any run that is accepted", text, tuple(rows), run_files=run_files(found))
+    return CheckResult("Any run that is accepted", text, tuple(rows), run_files=run_files(found))
