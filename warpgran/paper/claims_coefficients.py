@@ -153,8 +153,8 @@ def front_insensitive_to_K(r: Results) -> Finding:
 
     beyond, before = change(K_PAPER, 8.0), change(1.0, K_PAPER)
     words = "front {:.1f} %, thickness {:.1f} %"
-    told = [words.format(*(100 * value for value in values)) for values in (beyond, before)]
-    return Finding(f"{told[0]}; from K = 1: {told[1]}", max(beyond) < 0.03)
+    found = [words.format(*(100 * value for value in values)) for values in (beyond, before)]
+    return Finding(f"{found[0]}; from K = 1: {found[1]}", max(beyond) < 0.03)
 
 
 def _front_change(a: xr.Dataset, b: xr.Dataset) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The cases by name, and what runs them."""
+"""The checks by name, and the function that runs them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CASES: dict[str, Check] = {
 DEEP: dict[str, Check] = {
     "properties": lambda options: properties.deep(),  # on the CPU, in both precisions
 }
-"""Those that take longer: asked for by --deep or by their name."""
+"""Checks that take minutes: run with --deep or by name."""
 
 
 def chosen(names: Sequence[str], deep: bool = False) -> dict[str, Check]:
@@ -47,18 +47,18 @@ def chosen(names: Sequence[str], deep: bool = False) -> dict[str, Check]:
 
 
 def run(
-    checks: Mapping[str, Check], options: CheckOptions, begun: Callable[[str], None] = lambda name: None
+    checks: Mapping[str, Check], options: CheckOptions, started: Callable[[str], None] = lambda name: None
 ) -> dict[str, CheckResult]:
-    """Compute cases, one after another. One that cannot be computed is one that does not hold.
+    """Run checks, one after another. One that cannot be computed does not hold.
 
     Args:
-        checks: By name.
-        options: How to compute.
-        begun: Told the name of each as it begins.
+        checks: Checks by name.
+        options: How to compute them.
+        started: Called with the name of each as it starts.
     """
     outcomes = {}
     for name, check in checks.items():
-        begun(name)
+        started(name)
         try:
             with style():
                 outcomes[name] = check(options)

@@ -21,12 +21,12 @@ from warpgran.schema import Status
 from warpgran.verification.check import CheckResult, Row
 
 LENGTH = 0.2
-"""Of the columns, l_0, m."""
+"""Length l_0 of the columns, m."""
 ASPECT_RATIOS = tuple(float(a) for a in np.geomspace(0.2, 5.0, 15))
 SHALLOW = 1.0
 """Aspect ratio up to which a depth-averaged model is meant to hold (Mangeney-Castelnau et al. 2005)."""
 STEEP: dict[str, Any] = {"rheology.mu1": 1.5, "rheology.mu2": 1.75}
-"""Friction that no grains have: what the band must tell from theirs."""
+"""Friction that no grains have, whose run-outs must lie below the band."""
 
 
 def lube(a: Array) -> Array:
@@ -50,7 +50,7 @@ def band(a: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Deposits:
-    """What columns came to.
+    """Deposits of columns.
 
     Attributes:
         a: Aspect ratios h_0/l_0.
@@ -64,7 +64,7 @@ class Deposits:
 
 
 def column(cells_per_length: int, **changes: Any) -> Case:
-    """A column beside a wall; a sweep gives it its height. The run-out is told where h falls through 5 mm."""
+    """A column beside a wall; a sweep gives it its height. The front is where h falls through 5 mm."""
     right = 3.6
     return Case().with_(
         **{

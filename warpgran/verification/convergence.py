@@ -26,10 +26,10 @@ WANTED = 0.01
 
 @dataclass(frozen=True)
 class Collapse:
-    """A column of 0.14 m x 0.20 m, phi 0.62, and when it is looked at: in motion, and late.
+    """A column of 0.14 m x 0.20 m, phi 0.62, at two times: in motion, and late.
 
     Attributes:
-        angle: Of the slope, degrees.
+        angle: Slope, degrees.
         right: End of the grid, m.
         times: s.
     """
@@ -60,7 +60,7 @@ QUANTITIES: dict[str, Callable[[Case, xr.Dataset, int], float]] = {
     "maximum height": lambda case, run, at: float(run["h_max"][at]),
     "volume": lambda case, run, at: 1.0 + float(run["volume_change"][at]),
 }
-"""Each a number > 0 whose relative error is told. The front counts from the foot of the column, at x = 0."""
+"""Each a number > 0 whose relative error is reported. The front counts from the foot of the column, at x = 0."""
 BULK = ("front at h = 10 mm", "maximum height")
 """Those that must converge, to three percent on this many cells."""
 JUDGED = 2000

@@ -20,12 +20,12 @@ Exact = Callable[[Array, float], Fields]
 """h [m], v [m/s], phi at places x [m] and a time t [s]."""
 
 POINTS = 16
-"""Places in a cell over which an exact solution is averaged."""
+"""Points in a cell over which an exact solution is averaged."""
 
 G = Case().slope.gravity
 """m/s2."""
 PHI = 0.6
-"""Where it plays no part."""
+"""Volume fraction where it plays no part."""
 
 
 def coulomb(mu: float) -> dict[str, Any]:
@@ -76,7 +76,7 @@ def starting_from(h: Array, v: Array | float, phi: Array | float, left: float, r
 
 @dataclass(frozen=True)
 class Computed:
-    """One grid.
+    """A case computed on one grid.
 
     Attributes:
         x: Cell centres, m.
@@ -95,13 +95,13 @@ class Computed:
 
 @dataclass(frozen=True)
 class Comparison:
-    """One problem on all grids.
+    """One problem on all grids, and its exact solution.
 
     Attributes:
-        exact: What it should be.
-        times: Of the comparison, s.
-        grids: Coarse to fine.
-        span: At each time, the ends of what is compared, m.
+        exact: The exact solution.
+        times: Times of the comparison, s.
+        grids: Results, coarse to fine.
+        span: At each time, the ends of the interval compared, m.
     """
 
     exact: Exact
@@ -170,10 +170,10 @@ def compare(
     Args:
         options: How to compute.
         start: The case with so many cells.
-        exact: What it should be.
-        times: Of the comparison, s, > 0.
+        exact: The exact solution.
+        times: Times of the comparison, s, > 0.
         coarsest: Cells of the first grid.
-        span: The ends of what is compared at a time, m; by default the grid's.
+        span: The ends of the interval compared at a time, m; by default the grid's.
     """
     output = {"time.end": float(times[-1]), "time.snapshots": [float(t) for t in times]}
     cases = [start(cells).with_(**output) for cells in options.cells(coarsest)]

@@ -22,7 +22,7 @@ PROBLEMS = {
 
 
 COARSEST = 100
-"""Cells of the first grid. The contact is looked at when it stands at the edge of a cell of it, and so of all."""
+"""Cells of the first grid. The comparison is at a time when the contact stands at the edge of a cell of all grids."""
 
 
 def two_sides(left: Uniform, right: Uniform, cells: int, mu: float = 0.0) -> Case:

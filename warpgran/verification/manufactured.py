@@ -19,7 +19,7 @@ from warpgran.verification.plots import against_exact
 
 TIMES = (0.1, 0.3)
 LENGTH = 1.0
-"""Of the waves, m, whose ends are joined."""
+"""Length of the waves, m, whose ends are joined."""
 
 
 @dataclass(frozen=True)

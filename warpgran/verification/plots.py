@@ -20,7 +20,7 @@ MARKS = "osD^vx"
 LABELS = {"h": "thickness $h$ (cm)", "v": "velocity $v$ (m/s)", "phi": r"volume fraction $\varphi$ (-)"}
 FACTORS = {"h": 100.0, "v": 1.0, "phi": 1.0}
 THIN = 1e-3
-"""Of the greatest thickness: where there is less, velocity and volume fraction are not drawn."""
+"""Share of the greatest thickness below which velocity and volume fraction are not drawn."""
 
 
 def style() -> AbstractContextManager[None]:
@@ -76,7 +76,7 @@ def _profiles(ax: Axes, comparison: Comparison, name: str) -> None:
 
 
 def errors(ax: Axes, rows: Sequence[Row], steps: str = "number of cells") -> None:
-    """Errors over the number of cells, with lines of order 1/2 and 1 over the grids that the order is taken of.
+    """Errors over the number of cells, with lines of order 1/2 and 1 over the grids that determine the order.
 
     Args:
         ax: Where.

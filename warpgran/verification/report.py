@@ -1,4 +1,4 @@
-"""What came of the cases: a table for the terminal, a page, figures and a CSV file."""
+"""The report of the checks: a table for the terminal, a page, figures and a CSV file."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def write(outcomes: Mapping[str, CheckResult], folder: Path, options: CheckOptio
 
 
 def facts(options: CheckOptions) -> list[tuple[str, str]]:
-    """What the figures depend on."""
+    """Versions, precision, device and grids of the results."""
     python = sys.version.split()[0]
     versions = ", ".join(f"{name} {version(package)}" for name, package in
                          (("warpgran", "warpgran"), ("warp", "warp-lang"), ("numpy", "numpy")))  # fmt: skip

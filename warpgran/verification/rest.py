@@ -20,13 +20,13 @@ from warpgran.verification.plots import COLOURS, MARKS, panels
 
 CELLS = 200
 LEVEL = 0.1
-"""Of the lake, m."""
+"""Level of the lake, m."""
 ALPHAS = (1.5, 2.0, 3.0)
 CREEP = 5.0
-"""How long the heaps are looked at, s."""
+"""End time of the heaps, s."""
 TIMES = (0.01, 0.03, 0.1, 0.3, 1.0)
 BOUNDS: dict[Precision, float] = {"float64": 2e-13, "float32": 1e-4}
-"""Of v over the wave speed of the lake: a thousand units in the last place."""
+"""Bounds of v over the wave speed of the lake: a thousand units in the last place."""
 
 
 def rough_bed(roughness: float) -> Array:
@@ -73,7 +73,7 @@ STATES: dict[str, Callable[[float, float], Case]] = {
 
 @dataclass(frozen=True)
 class Circumstance:
-    """Under what a state must rest: friction, viscosity, and whether that is asked of it or only looked at."""
+    """Friction and viscosity under which a state must rest, and whether that is required or only reported."""
 
     words: str
     mu: tuple[float, ...]

@@ -19,7 +19,7 @@ from warpgran.verification.grids import G, computed, falling, starting_from
 from warpgran.verification.plots import COLOURS, LABELS, MARKS, errors, panels
 
 LENGTH = 0.4
-"""Of the layers, m, whose ends are joined."""
+"""Length of the layers, m, whose ends are joined."""
 
 
 def layer(cells: int, h: float, v: float, phi: float, times: Sequence[float], **changes: Any) -> Case:
