@@ -80,6 +80,15 @@ def test_rooms_import_what_they_may(room: str) -> None:
             assert ours <= allowed, f"{path.relative_to(ROOT)} imports {sorted(ours - allowed)}"
 
 
+def test_no_class_name_stands_twice() -> None:
+    homes: dict[str, list[str]] = {}
+    for path in rooms():
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef):
+                homes.setdefault(node.name, []).append(path.relative_to(ROOT).as_posix())
+    assert {name: paths for name, paths in homes.items() if len(paths) > 1} == {}
+
+
 def test_rooms_stand_on_eight_floors_at_most() -> None:
     floor: dict[str, int] = {}
     while left := MAY_IMPORT.keys() - floor.keys():

@@ -14,7 +14,6 @@ from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.figure import Figure
 from PIL import Image
 
-from warpgran.analysis.correlation import rank_correlation
 from warpgran.analysis.summary import summary
 from warpgran.case.sections import KEYS
 from warpgran.figures import batch as batch_figures
@@ -258,17 +257,6 @@ def test_cells_of_the_map_lie_around_their_values() -> None:
 def test_ten_thousand_runs_are_drawn_as_pixels(tmp_path: Path) -> None:
     path = plot(sample(10_000, 2, samples=60, diverged=tuple(range(0, 10_000, 50))), tmp_path / "p.pdf")
     assert path.stat().st_size < 2_000_000
-
-
-def test_rank_correlation_by_hand() -> None:
-    a = np.array([1.0, 2.0, 3.0, 4.0])
-    assert rank_correlation(a, np.exp(a)) == pytest.approx(1.0)
-    assert rank_correlation(a, -(a**3)) == pytest.approx(-1.0)
-    # Ranks 0 1 2 3 and 0.5 0.5 2 3: sum of squared deviations 5 and 4.5, of products 4.5.
-    assert rank_correlation(a, np.array([1.0, 1.0, 5.0, 9.0])) == pytest.approx(4.5 / np.sqrt(5.0 * 4.5))
-    assert rank_correlation(a, np.array([np.nan, 2.0, 1.0, np.inf])) == pytest.approx(-1.0)
-    assert rank_correlation(a, np.ones(4)) == 0.0
-    assert rank_correlation(a, np.full(4, np.nan)) == 0.0
 
 
 def test_choices_correlate_in_the_order_of_their_means() -> None:

@@ -25,7 +25,7 @@ from warpgran.paper.laboratory import read_laboratory
 from warpgran.paper.measures import rise, slow_regime
 from warpgran.paper.remarks import REMARKS
 from warpgran.paper.reproduce import shipped_runs
-from warpgran.paper.results import Computed, NotComputedError, one_of
+from warpgran.paper.results import NotComputedError, StoredResults, one_of
 from warpgran.paper.settings import DEFAULTS, SETTINGS
 from warpgran.results.part_file import part_of
 from warpgran.results.reading import open_dataset
@@ -220,7 +220,7 @@ def test_one_run_is_found_by_its_keys() -> None:
 
 def test_a_run_that_diverged_is_drawn_to_its_end_and_not_judged(tmp_path: Path) -> None:
     (tmp_path / "bad.toml").write_text(DIVERGING)
-    draws, judges = (Computed(DEFAULTS, tmp_path, tmp_path / "results", Options(), whole=w) for w in (False, True))
+    draws, judges = (StoredResults(DEFAULTS, tmp_path, tmp_path / "results", Options(), whole=w) for w in (False, True))
     assert np.isnan(draws.run("bad", angle=0.0)["front"].values[-1])
     assert draws.ended_early == ["the run with angle = 0.0 diverged at t = 0.01 s"]
     with pytest.raises(NotComputedError, match=r"the run with angle = 0\.0 diverged at t = 0\.01 s"):

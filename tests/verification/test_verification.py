@@ -13,11 +13,11 @@ from typer.testing import CliRunner, Result
 
 from warpgran.cli.app import app
 from warpgran.verification import collection, dams, exact, manufactured, uniform
-from warpgran.verification.grids import computed, coulomb, falling, observed_order, of_constant_phi, study
-from warpgran.verification.outcome import Outcome, Row, Setting
+from warpgran.verification.check import CheckOptions, CheckResult, Row
+from warpgran.verification.grids import compare, computed, coulomb, falling, observed_order, of_constant_phi
 from warpgran.verification.report import PAGE, write
 
-COARSE = Setting(grids=4)
+COARSE = CheckOptions(grids=4)
 DOCUMENT = DOCS / "verification.md"
 
 
@@ -34,7 +34,7 @@ def test_holds_on_coarse_grids(name: str) -> None:
 
 def test_holds_in_single_precision() -> None:
     names = ("stoker", "uniform", "relaxation")
-    outcomes = collection.run(collection.chosen(names), Setting(precision="float32", grids=4))
+    outcomes = collection.run(collection.chosen(names), CheckOptions(precision="float32", grids=4))
     assert {name: [r.compared for r in o.rows if r.holds is False] for name, o in outcomes.items()} == {
         name: [] for name in names
     }
@@ -44,7 +44,7 @@ def test_holds_in_single_precision() -> None:
 def test_a_solution_that_is_off_by_three_percent_does_not_hold(h_0: float, g_c: float) -> None:
     start = dams.dam(0.1, 0.02, -1.0, 1.0, **coulomb(0.0))
     wrong = of_constant_phi(lambda x, t: exact.stoker(x, t, h_0, 0.02, g_c))
-    found = study(Setting(grids=5), start, wrong, (0.6,), 100)
+    found = compare(CheckOptions(grids=5), start, wrong, (0.6,), 100)
     assert found.row("h v", 0, 0.5, 0.05).holds is False
 
 
@@ -52,7 +52,7 @@ def test_a_wrong_source_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     right = manufactured.sources
     monkeypatch.setattr(manufactured, "sources", lambda x, t, case: 1.02 * right(x, t, case))
     monkeypatch.setattr(manufactured, "VARIANTS", {"defaults": {}})
-    assert not manufactured.manufactured(Setting(grids=5)).holds
+    assert not manufactured.manufactured(CheckOptions(grids=5)).holds
 
 
 @pytest.mark.parametrize("h", [0.05, 0.02, 0.01, 0.005, 0.002])
@@ -62,7 +62,7 @@ def test_thin_layers_feel_too_little_of_gravity_and_friction(h: float) -> None:
     case = uniform.layer(20, h, 0.0, 0.6, [0.2], **{"slope.angle": 35.0}, **coulomb(float(np.tan(delta))))
     z = case.dx * (np.tan(theta) - np.tan(delta))
     share = 1.0 - z / (2.0 * h) if z < h else h / (2.0 * z)
-    v = computed(case, Setting()).v[0]
+    v = computed(case, CheckOptions()).v[0]
     assert v == pytest.approx(0.2 * exact.acceleration(theta, delta, 9.81) * share, rel=1e-12)
 
 
@@ -84,14 +84,14 @@ def test_cases_are_chosen_by_name() -> None:
 
 
 def test_long_cases_run_when_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(collection, "DEEP", {"long": lambda setting: Outcome("", (), ())})
+    monkeypatch.setattr(collection, "DEEP", {"long": lambda options: CheckResult("", (), ())})
     assert "long" not in collection.chosen([])
     assert list(collection.chosen([], deep=True))[-1] == "long"
     assert list(collection.chosen(["cap"], deep=True)) == ["cap", "long"]
     assert list(collection.chosen(["long"])) == ["long"]
 
 
-def broken(setting: Setting) -> Outcome:
+def broken(options: CheckOptions) -> CheckResult:
     raise RuntimeError("a run with 4 cells did not reach its end")
 
 
@@ -106,7 +106,7 @@ def test_the_page_holds_everything(tmp_path: Path) -> None:
     figure.set_label("A figure.")
     errors = ((10, 0.2), (20, 0.1))
     rows = (Row("h, L1", 0.1, "-", "<= 1", True, 1.0, errors), Row("v", 2.0, "m/s", "<= 1", False))
-    outcome = Outcome("A < B", ("Some text.",), rows, {"figure": figure}, {"failed.toml": 'title = "x"'})
+    outcome = CheckResult("A < B", ("Some text.",), rows, {"figure": figure}, {"failed.toml": 'title = "x"'})
     page = write({"one": outcome}, tmp_path, COARSE)
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "failed.toml", "figure.png", "verification.csv", PAGE

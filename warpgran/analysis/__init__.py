@@ -1,1 +1,1 @@
-"""What is computed from a result."""
+"""Quantities computed from a result."""

@@ -1,4 +1,4 @@
-"""A result in one row a run: a table to analyse, to store as CSV and to print."""
+"""A result as a table with a row a run, to analyse, to store as CSV and to print."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from warpgran.files import replacing
 
 
 def summary(data: xr.Dataset) -> pd.DataFrame:
-    """What came of each run.
+    """The results of each run in a row.
 
     Args:
         data: a result, with all its runs or some (`data.isel(run=[0, 3])`).
 
     Returns:
-        A row a run. What a run does not have is NaN: it diverged or was interrupted before, or never came to rest. The
-        values of a run that ended early are the last that it reached.
+        A row a run. NaN: the run diverged or was interrupted before, or never came to rest. The values of a run that
+        ended early are the last that it reached.
 
         - run: its number in the result
         - the keys in which the runs differ ("slope.angle"): their values, in the units of the run file

@@ -23,20 +23,20 @@ def verify(
 ) -> None:
     """Compare with exact solutions: a table, figures and a page. Exit status 1 if a case does not hold."""
     from warpgran.solve.device import find_device, start_quietly
+    from warpgran.verification.check import CheckOptions
     from warpgran.verification.collection import chosen, run
-    from warpgran.verification.outcome import Setting
     from warpgran.verification.report import printed, write
 
     checks = chosen(names or [], deep)
     start_quietly()
     find_device(device)
     folder.mkdir(parents=True, exist_ok=True)
-    setting = Setting(device, precision)
+    options = CheckOptions(device, precision)
     with progress_bar("{task.completed:.0f} of {task.total:.0f} cases", len(checks)) as show:
         done = iter(range(len(checks)))
-        outcomes = run(checks, setting, lambda name: show(next(done), len(checks), name))
+        outcomes = run(checks, options, lambda name: show(next(done), len(checks), name))
         show(len(checks), len(checks), "done")
-    page = write(outcomes, folder, setting)
+    page = write(outcomes, folder, options)
     stdout(WIDTH).print(printed(outcomes))
     failed = [name for name, outcome in outcomes.items() if not outcome.holds]
     typer.echo(f"{len(outcomes) - len(failed)} of {len(outcomes)} cases hold")

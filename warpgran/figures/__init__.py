@@ -1,1 +1,1 @@
-"""Figures, animations and pages of results."""
+"""Figures, animations and pages."""

@@ -61,10 +61,10 @@ def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, 
 
 
 class Scene:
-    """The picture that an animation moves: slope, wall, material, colour bar, time."""
+    """A frame: slope, wall, material, colour bar, time. The material moves from frame to frame."""
 
     def __init__(self, one: xr.Dataset, dpi: float) -> None:
-        """Draw what stays. one: one run with its snapshots; dpi: pixels an inch."""
+        """Draw what does not move. one: one run with its snapshots; dpi: pixels an inch."""
         self.theta = np.deg2rad(number(one, "slope.angle"))
         self.one = one.isel(cell=wet_range(one))
         self.edges, self.bed = _edges(self.one["x"].values), _at_edges(self.one["bed"].values)
@@ -86,7 +86,7 @@ class Scene:
         self.ax.set_title(f"$t$ = {float(self.one['time'][instant]):.3f} s", loc="left", fontsize=9)
 
     def _tilted(self, x: Array, z: Array) -> Array:
-        """Horizontal and vertical position [m] of what lies at x along the slope and z normal to it [m]."""
+        """Horizontal and vertical position [m] of points at x along the slope and z normal to it [m]."""
         cos, sin = np.cos(self.theta), np.sin(self.theta)
         return np.stack([x * cos + z * sin, -x * sin + z * cos], axis=-1)
 
@@ -162,7 +162,7 @@ def _at_edges(values: Array) -> Array:
 
 
 def _movie_writer(suffix: str, fps: int) -> AbstractMovieWriter:
-    """What writes a GIF or a video."""
+    """The writer of a GIF or a video."""
     if suffix == ".gif":
         return PillowWriter(fps=fps)
     if not FFMpegWriter.isAvailable():

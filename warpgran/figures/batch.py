@@ -1,8 +1,8 @@
-"""The figure of a batch: what came of its runs over what varies between them, and how their fronts moved.
+"""The figure of a batch: results of its runs over the swept keys, and their fronts over time.
 
 One page: run-out, final maximum thickness, stop time and largest dilation against each swept key; the front positions
 over time, as lines or, of many runs, as bands; with two swept keys, the run-out over both. Runs that ended early are
-red crosses at their parameters and count nowhere else: what they reached is no result of their parameters.
+red crosses at their parameters and count nowhere else: where they ended says nothing of their parameters.
 """
 
 from __future__ import annotations
@@ -41,16 +41,16 @@ QUANTITIES = (
 
 @dataclass(frozen=True)
 class Batch:
-    """What the page draws.
+    """The data of the page.
 
     Attributes:
         frame: the summary, without the values of runs that ended early.
-        front: front position (run, sample) [m].
-        time: of the samples [s].
+        front: front position [m], shape (run, sample).
+        time: times of the samples [s].
         done: which runs did not end early, shape (run,).
-        keys: all that vary.
-        drawn: those that have a column of panels.
-        correlation: of each key with the run-out, by name.
+        keys: all keys that vary.
+        drawn: the keys that have a column of panels.
+        correlation: rank correlation of each key with the run-out, by name.
     """
 
     frame: pd.DataFrame
@@ -109,7 +109,7 @@ def draw_batch(data: xr.Dataset) -> Figure:
 
 
 def _batch(data: xr.Dataset) -> Batch:
-    """What the page draws, chosen and computed."""
+    """Choose and compute the data of the page."""
     frame = summary(data)
     if not np.isfinite(frame["front"]).any():
         raise ResultError("there is nothing to draw: no run has a front, `time.series` may be empty")
@@ -125,13 +125,13 @@ def _batch(data: xr.Dataset) -> Batch:
 
 
 def _heading(data: xr.Dataset, batch: Batch) -> str:
-    """Title, number of runs, what varies, and the main parameters that do not."""
+    """Title, number of runs, the keys that vary, and the main parameters that do not."""
     varied = [key.span() for key in batch.drawn or batch.keys[:MAX_KEYS]]
     return heading(data, [f"{len(batch.done)} runs", *varied, *main_facts(data)])
 
 
 def _caption(batch: Batch, mapped: bool) -> str:
-    """The small print: what is left out and what the marks mean."""
+    """The small print: runs and keys left out, and the meaning of the marks."""
     runs, ended = len(batch.done), batch.frame["status"][~batch.done].value_counts()
     said = []
     if len(ended):
@@ -152,7 +152,7 @@ def _caption(batch: Batch, mapped: bool) -> str:
 
 
 def _colour_key(batch: Batch, but: Key | None = None) -> Key | None:
-    """Of the other keys with few values the one that matters most, in whose colours a column of panels is drawn."""
+    """The key that colours a column of panels: among the others with few values, the one that matters most."""
     others = [key for key in batch.keys if key is not but and key.few]
     return max(others, key=lambda key: abs(batch.correlation[key.name]), default=None)
 
@@ -192,7 +192,7 @@ def _draw_panels(batch: Batch, grid: GridSpec) -> list[Axes]:
 
 
 def _make_room(ax: Axes, panel: Panel, batch: Batch) -> None:
-    """Hold the axis of a quantity open, with room for the crosses below; say so where no run has the quantity."""
+    """Widen the axis of a quantity to its least span, with room for the crosses; write "none" if no run has it."""
     if not batch.frame[panel.name].notna().any():
         ax.set_yticks([])
         ax.text(0.5, 0.5, "none", transform=ax.transAxes, ha="center", va="center", color="0.3")

@@ -1,4 +1,4 @@
-"""Headings of figures: the title of the case, and the facts that tell one result from another."""
+"""Headings of figures: the title of the case and its main facts."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""The figure of one run of a result: its profiles and series on one page.
+"""The figure of one run: its profiles and series on one page.
 
-It is drawn from the Dataset that `simulate` and `open_dataset` return, in SI units but for thicknesses (cm), volume
-changes (%) and angles (degrees). What the run did not compute (NaN) is left out. Where the material is thinner than
-`scheme.h_front`, its velocity, volume fraction and dilatancy angle mean nothing and are not drawn.
+SI units but for thicknesses (cm), volume changes (%) and angles (degrees). Values that are NaN are left out. Velocity,
+volume fraction and dilatancy angle are drawn only where h > h_front: thinner material is no continuum.
 """
 
 from __future__ import annotations

@@ -16,11 +16,11 @@ MIME = {".png": "image/png", ".svg": "image/svg+xml"}
 
 @dataclass
 class Page:
-    """A page, put together from top to bottom and then written.
+    """A page, assembled from top to bottom and then written.
 
     Attributes:
-        title: Of the page.
-        blocks: What it holds, in order: the kind of each and what its kind needs.
+        title: Heading of the page.
+        blocks: Its parts in order, each with its kind and the values that page.html renders for it.
     """
 
     title: str
@@ -64,7 +64,7 @@ class Page:
 
 
 def template() -> Any:
-    """What a page is rendered with."""
+    """The template of a page."""
     import jinja2
 
     loader = jinja2.PackageLoader("warpgran.figures", package_path="")

@@ -1,4 +1,4 @@
-"""What a figure takes of a result: one run, the snapshots that it reached, the cells that the mass ever covers."""
+"""Parts of a result that figures draw: one run, the snapshots that it reached, the cells that the mass covers."""
 
 from __future__ import annotations
 

@@ -13,11 +13,11 @@ WORDS = {True: "holds", False: "does not hold", None: "cannot be told"}
 
 @dataclass(frozen=True)
 class Finding:
-    """What came of a claim.
+    """The finding on a claim.
 
     Attributes:
         value: Our numbers, in words.
-        holds: Whether the statement holds; None if it cannot be told.
+        holds: Whether the statement holds; None if our results do not decide it.
     """
 
     value: str
@@ -52,7 +52,7 @@ class Claim:
     judge: Callable[[Results], Finding]
 
     def evaluate(self, results: Results) -> Finding:
-        """What our results say; that it cannot be told where a run, an instant or one of the numbers is not there."""
+        """The finding of our results; undecided where a run, an instant or one of the numbers is missing."""
         try:
             finding = self.judge(results)
         except NotComputedError as error:

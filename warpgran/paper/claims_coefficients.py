@@ -8,17 +8,7 @@ import xarray as xr
 from warpgran.analysis.correlation import rank_correlation
 from warpgran.arrays import Array
 from warpgran.paper.claim import Finding, claim
-from warpgran.paper.measures import (
-    extent,
-    field,
-    front_of,
-    front_zone,
-    mass,
-    mean,
-    over,
-    rear,
-    same_cells,
-)
+from warpgran.paper.measures import extent, field, front_of, front_zone, mass, mean, over, rear, same_cells
 from warpgran.paper.results import K_PAPER, Results, at, collapse
 
 FOUR = (0.0, 1.0, K_PAPER, 8.0)
@@ -163,8 +153,8 @@ def front_insensitive_to_K(r: Results) -> Finding:
 
     beyond, before = change(K_PAPER, 8.0), change(1.0, K_PAPER)
     words = "front {:.1f} %, thickness {:.1f} %"
-    told = [words.format(*(100 * value for value in values)) for values in (beyond, before)]
-    return Finding(f"{told[0]}; from K = 1: {told[1]}", max(beyond) < 0.03)
+    found = [words.format(*(100 * value for value in values)) for values in (beyond, before)]
+    return Finding(f"{found[0]}; from K = 1: {found[1]}", max(beyond) < 0.03)
 
 
 def _front_change(a: xr.Dataset, b: xr.Dataset) -> tuple[float, float]:

@@ -13,17 +13,7 @@ from warpgran.analysis.forces import forces
 from warpgran.figures.style import THIN
 from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.measures import mass
-from warpgran.paper.panels import (
-    DASHES,
-    against_time,
-    along,
-    draw_series,
-    finish,
-    head,
-    profiles,
-    shades,
-    sheet,
-)
+from warpgran.paper.panels import DASHES, against_time, along, draw_series, finish, head, profiles, shades, sheet
 from warpgran.paper.picture import picture
 from warpgran.paper.results import ANGLES, PACKINGS, TWO, Results, at, collapse
 

@@ -16,7 +16,7 @@ from warpgran.paper.remarks import REMARKS
 from warpgran.paper.settings import AS_PAPER, DEFAULTS, SETTINGS
 
 Judged = tuple[Claim, dict[str, Finding]]
-"""A claim and what came of it by setting."""
+"""A claim and its findings by setting."""
 
 YES_NO = {True: "yes", False: "no", None: "open"}
 

@@ -16,7 +16,7 @@ from warpgran.paper.claim import Finding
 from warpgran.paper.laboratory import Laboratory
 from warpgran.paper.picture import Picture
 from warpgran.paper.report import Judged, counted, put_claims, put_picture, put_sources, write_csv
-from warpgran.paper.results import Computed, Results
+from warpgran.paper.results import Results, StoredResults
 from warpgran.paper.settings import DEFAULTS, SETTINGS, Setting
 from warpgran.run.options import Options
 
@@ -26,16 +26,16 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Plan:
-    """What is asked for.
+    """What to reproduce, and how.
 
     Attributes:
         runs: Folder of the run files.
         output: Folder to write to; made if it is not there.
-        figures: Names; all if there are none.
-        laboratory: What was measured.
+        figures: Names of the figures; all if empty.
+        laboratory: Measurements to lay over them.
         options: How to compute.
         overrides: `KEY=VALUE` for every run file.
-        setting: Which one is drawn.
+        setting: The setting that is drawn.
         claims: Whether the claims are judged too.
     """
 
@@ -61,14 +61,14 @@ def reproduce(plan: Plan, progress: Progress, tell: Tell) -> Path:
 
     Args:
         plan: What is asked for.
-        progress: Told what is being computed, how many runs it has and how many are done.
-        tell: Told what was done, a line each.
+        progress: Called with the name of what is computed, its number of runs and how many are done.
+        tell: Called with a line about each thing that is done.
 
     Returns:
         The page.
 
     Raises:
-        ValueError: An unknown figure.
+        OptionError: An unknown figure.
         CaseError: A run file or an override is wrong.
         StorageError: Something cannot be written.
         KeyboardInterrupt: Ctrl-C; what was computed is kept.
@@ -100,12 +100,12 @@ def draw(picture: Picture, results: Results, laboratory: Laboratory, folder: Pat
                 figure.savefig(part, dpi=180, metadata=metadata)
 
 
-def _results(plan: Plan, setting: Setting, progress: Progress, whole: bool = True) -> Computed:
+def _results(plan: Plan, setting: Setting, progress: Progress, whole: bool = True) -> StoredResults:
     def named(name: str, runs: int, done: float) -> None:
         progress(f"{setting.name}/{name}", runs, done)
 
     folder = plan.output / "results" / setting.name
-    return Computed(setting, plan.runs, folder, plan.options, plan.overrides, named, whole)
+    return StoredResults(setting, plan.runs, folder, plan.options, plan.overrides, named, whole)
 
 
 def _judged(plan: Plan, progress: Progress, tell: Tell) -> list[Judged]:

@@ -33,12 +33,12 @@ class Results(Protocol):
         """One run of a run file, by the last part of its swept keys: `run("collapses", angle=22, phi=0.62, K=0)`."""
 
 
-class Computed:
+class StoredResults:
     """Results kept in a folder, a file for each run file.
 
     Attributes:
         setting: How they are computed.
-        ended_early: What there is to tell of runs that did not end cleanly and were handed out all the same.
+        ended_early: A line for each run that did not end cleanly and was returned all the same.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Computed:
             folder: Where the results are kept; made when the first is there.
             options: Device, precision and so on.
             overrides: `KEY=VALUE` for every run file.
-            progress: Told the name of a run file, how many runs it has and how many are done.
+            progress: Called with the name of a run file, its number of runs and how many are done.
             whole: Whether a run that did not end cleanly is refused; else it is NaN from there on.
         """
         self.setting = setting
@@ -74,10 +74,10 @@ class Computed:
         self._folder.mkdir(parents=True, exist_ok=True)
         path = self._folder / f"{name}.h5"
 
-        def told(done: float) -> None:
+        def report(done: float) -> None:
             self._progress(name, len(study), done)
 
-        if not bring_up_to_date(study, path, self._options, progress=told):
+        if not bring_up_to_date(study, path, self._options, progress=report):
             raise KeyboardInterrupt
         self._progress(name, len(study), len(study))
         return open_dataset(path).load()
@@ -160,7 +160,7 @@ def collapse(
 
     Args:
         results: Where it is taken from.
-        angle: Of the slope, degrees.
+        angle: Slope, degrees.
         packing: "dense", "loose" or "incompressible".
         K: Another dilation coefficient than the packing's.
         source: The run file.

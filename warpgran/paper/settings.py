@@ -16,8 +16,8 @@ class Setting:
     """How the cases of a run file are changed.
 
     Attributes:
-        name: Of its column in claims.csv, and of its folder.
-        words: What it is.
+        name: Name of its column in claims.csv, and of its folder.
+        words: Description.
         changes: Values by dotted key.
         as_paper: With the paper's viscosity (3.20) over a precursor layer.
         refinement: How many times the cells of the run file.

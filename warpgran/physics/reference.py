@@ -35,6 +35,9 @@ Sides = tuple[Array, Array]  # the left and the right side of every interface
 DRY = 1e-12
 """A cell holding no more solid than this (m) is dry."""
 
+SCALARS = ("front", "h_max", "v_max", "v_flow", "volume", "mass", "energy")
+"""What `Reference.scalars` returns, in the order of the kernels: m, m, m/s, m/s, m2, m2, m4/s2."""
+
 
 class Fields(NamedTuple):
     """What a state decodes to, at cells, shape (cells,): h [m], v [m/s], phi [-]."""

@@ -1,4 +1,4 @@
-"""Results kept in memory, and handed out as an xarray.Dataset."""
+"""Results kept in memory, and as an xarray.Dataset."""
 
 from __future__ import annotations
 

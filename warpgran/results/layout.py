@@ -24,7 +24,7 @@ FAILURE = np.dtype("S200")
 """Text that says how a run diverged."""
 
 
-class Column(NamedTuple):
+class ResultColumn(NamedTuple):
     """A variable with a first dimension of runs: its schema, and the shape and type of one run's part."""
 
     schema: Variable
@@ -66,13 +66,13 @@ class Layout:
             self.cells = max(study.values("grid.cells")) if "grid.cells" in study.keys else self.cells
         self.columns = self._columns()
 
-    def _columns(self) -> dict[str, Column]:
+    def _columns(self) -> dict[str, ResultColumn]:
         real = np.dtype(np.float64)
-        fields = {name: Column(v, (self.outputs.snapshots, self.cells), real) for name, v in FIELDS.items()}
-        series = {name: Column(v, (self.outputs.samples,), real) for name, v in SERIES.items()}
+        fields = {name: ResultColumn(v, (self.outputs.snapshots, self.cells), real) for name, v in FIELDS.items()}
+        series = {name: ResultColumn(v, (self.outputs.samples,), real) for name, v in SERIES.items()}
         types: dict[str, np.dtype[Any]] = {"status": np.dtype(np.int8), "steps": np.dtype(np.int64), "failure": FAILURE}
-        single = {name: Column(v, (), types.get(name, real)) for name, v in PER_RUN.items()}
-        grid = {} if self.one_grid else {name: Column(v, (self.cells,), real) for name, v in self._grid().items()}
+        single = {name: ResultColumn(v, (), types.get(name, real)) for name, v in PER_RUN.items()}
+        grid = {} if self.one_grid else {name: ResultColumn(v, (self.cells,), real) for name, v in self._grid().items()}
         return {**fields, **series, **single, **grid}
 
     def _grid(self) -> dict[str, Variable]:

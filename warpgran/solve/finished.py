@@ -8,9 +8,7 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.physics.reference import DRY
-
-SCALARS = ("front", "h_max", "v_max", "v_flow", "volume", "mass", "energy")
-"""What a sample holds: m, m, m/s, m/s, m2, m2, m4/s2."""
+from warpgran.physics.reference import SCALARS as SCALARS
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ class Finished:
     """Runs that have ended. What was not recorded is NaN.
 
     Attributes:
-        scalars: (runs, samples, len(SCALARS)).
+        scalars: Those of physics.reference.SCALARS, shape (runs, samples, scalars).
         profiles: h [m], v [m/s], phi of the snapshots, each (runs, snapshots, cells or more).
         status, steps, end_time: Per run; codes of schema.Status, -, s.
         failures: By run, those that have diverged.

@@ -6,25 +6,25 @@ import numpy as np
 
 from warpgran.case.case import Case
 from warpgran.verification import exact
+from warpgran.verification.check import CheckOptions, CheckResult, paragraphs
 from warpgran.verification.grids import (
     PHI,
     Computed,
     G,
     centres,
+    compare,
     coulomb,
     falling,
     of_constant_phi,
     starting_from,
-    study,
 )
-from warpgran.verification.outcome import Outcome, Setting, paragraphs
 from warpgran.verification.plots import against_exact
 
 H_0, LENGTH = 0.06, 0.5
 """Thickness at the middle and half of the length of the cap, m."""
 
 
-def cap(setting: Setting) -> Outcome:
+def cap(options: CheckOptions) -> CheckResult:
     """The cap of Savage and Hutter."""
     theta, delta, left, right, times = np.radians(35.0), np.radians(20.0), -1.0, 3.0, (0.2, 0.8)
     g_c, m = float(G * np.cos(theta)), exact.acceleration(theta, delta, G)
@@ -33,7 +33,7 @@ def cap(setting: Setting) -> Outcome:
         h = exact.cap(centres(left, right, cells), 0.0, H_0, LENGTH, m, g_c).h
         return starting_from(h, 0.0, PHI, left, right, **{"slope.angle": 35.0}, **coulomb(float(np.tan(delta))))
 
-    found = study(setting, start, of_constant_phi(lambda x, t: exact.cap(x, t, H_0, LENGTH, m, g_c)), times, 200)
+    found = compare(options, start, of_constant_phi(lambda x, t: exact.cap(x, t, H_0, LENGTH, m, g_c)), times, 200)
     rows = [found.row(name, at, 0.9, 0.05) for name in ("h", "h v") for at in range(2)]
     lag = [(grid.x.size, _lag(grid, m, times)) for grid in found.grids]
     rows.append(falling(f"missing momentum, at t = {times[1]:g} s, of mass times m t", "-", lag, 0.9, 0.05))
@@ -53,7 +53,7 @@ def cap(setting: Setting) -> Outcome:
         """)
     caption = f"The cap after {times[0]:g} s and {times[1]:g} s on a slope of 35 degrees."
     figure = against_exact(found, rows, ("h", "v"), caption)
-    return Outcome("Parabolic cap on a slope (Savage and Hutter)", text, tuple(rows), {"cap": figure})
+    return CheckResult("Parabolic cap on a slope (Savage and Hutter)", text, tuple(rows), {"cap": figure})
 
 
 def _lag(grid: Computed, m: float, times: tuple[float, float]) -> float:

@@ -1,4 +1,4 @@
-"""The cases by name, and what runs them."""
+"""The checks by name, and the function that runs them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from warpgran.errors import OptionError
 from warpgran.verification import cap, columns, convergence, dams, jumps, manufactured, properties, rest, uniform
-from warpgran.verification.outcome import Check, Outcome, Row, Setting
+from warpgran.verification.check import Check, CheckOptions, CheckResult, Row
 from warpgran.verification.plots import style
 
 CASES: dict[str, Check] = {
@@ -21,13 +21,13 @@ CASES: dict[str, Check] = {
     "relaxation": uniform.relaxation,
     "manufactured": manufactured.manufactured,
     "riemann": jumps.riemann,
-    "convergence": lambda setting: convergence.convergence(device=setting.device, precision=setting.precision),
-    "columns": lambda setting: columns.columns(device=setting.device, precision=setting.precision),
+    "convergence": lambda options: convergence.convergence(device=options.device, precision=options.precision),
+    "columns": lambda options: columns.columns(device=options.device, precision=options.precision),
 }
 DEEP: dict[str, Check] = {
-    "properties": lambda setting: properties.deep(),  # on the CPU, in both precisions
+    "properties": lambda options: properties.deep(),  # on the CPU, in both precisions
 }
-"""Those that take longer: asked for by --deep or by their name."""
+"""Checks that take minutes: run with --deep or by name."""
 
 
 def chosen(names: Sequence[str], deep: bool = False) -> dict[str, Check]:
@@ -47,22 +47,22 @@ def chosen(names: Sequence[str], deep: bool = False) -> dict[str, Check]:
 
 
 def run(
-    checks: Mapping[str, Check], setting: Setting, begun: Callable[[str], None] = lambda name: None
-) -> dict[str, Outcome]:
-    """Compute cases, one after another. One that cannot be computed is one that does not hold.
+    checks: Mapping[str, Check], options: CheckOptions, started: Callable[[str], None] = lambda name: None
+) -> dict[str, CheckResult]:
+    """Run checks, one after another. One that cannot be computed does not hold.
 
     Args:
-        checks: By name.
-        setting: How.
-        begun: Told the name of each as it begins.
+        checks: Checks by name.
+        options: How to compute them.
+        started: Called with the name of each as it starts.
     """
     outcomes = {}
     for name, check in checks.items():
-        begun(name)
+        started(name)
         try:
             with style():
-                outcomes[name] = check(setting)
+                outcomes[name] = check(options)
         except RuntimeError as error:  # a run that did not reach its end
             row = Row("the computation itself", float("nan"), "-", "it ends", False)
-            outcomes[name] = Outcome(name, (str(error),), (row,))
+            outcomes[name] = CheckResult(name, (str(error),), (row,))
     return outcomes

@@ -18,15 +18,15 @@ from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
 from warpgran.schema import Status
-from warpgran.verification.outcome import Outcome, Row
+from warpgran.verification.check import CheckResult, Row
 
 LENGTH = 0.2
-"""Of the columns, l_0, m."""
+"""Length l_0 of the columns, m."""
 ASPECT_RATIOS = tuple(float(a) for a in np.geomspace(0.2, 5.0, 15))
 SHALLOW = 1.0
 """Aspect ratio up to which a depth-averaged model is meant to hold (Mangeney-Castelnau et al. 2005)."""
 STEEP: dict[str, Any] = {"rheology.mu1": 1.5, "rheology.mu2": 1.75}
-"""Friction that no grains have: what the band must tell from theirs."""
+"""Friction that no grains have, whose run-outs must lie below the band."""
 
 
 def lube(a: Array) -> Array:
@@ -50,7 +50,7 @@ def band(a: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Deposits:
-    """What columns came to.
+    """Deposits of columns.
 
     Attributes:
         a: Aspect ratios h_0/l_0.
@@ -64,7 +64,7 @@ class Deposits:
 
 
 def column(cells_per_length: int, **changes: Any) -> Case:
-    """A column beside a wall; a sweep gives it its height. The run-out is told where h falls through 5 mm."""
+    """A column beside a wall; a sweep gives it its height. The front is where h falls through 5 mm."""
     right = 3.6
     return Case().with_(
         **{
@@ -107,7 +107,7 @@ def columns(
     *,
     device: str = "cpu",
     precision: Precision = "float64",
-) -> Outcome:
+) -> CheckResult:
     """Run-out and height over the aspect ratio, with the friction of glass beads and with far too much."""
     beads = collapse(column(cells_per_length), ratios, device, precision)
     steep = collapse(column(cells_per_length, **STEEP), ratios, device, precision)
@@ -121,7 +121,7 @@ def columns(
         "That is shown, not asked. The summit of a column of a < 0.7 stays where it was (Lajeunesse et al. 2005), here "
         "too; above, heights grow with a power of a, 1/3 or 2/5 in the experiments.",
     )
-    return Outcome("Columns of any aspect ratio", text, _rows(beads, steep), {"columns": draw(beads, steep)})
+    return CheckResult("Columns of any aspect ratio", text, _rows(beads, steep), {"columns": draw(beads, steep)})
 
 
 def _rows(beads: Deposits, steep: Deposits) -> tuple[Row, ...]:

@@ -18,7 +18,7 @@ from warpgran.case.case import Case
 from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
-from warpgran.verification.outcome import Outcome, Row
+from warpgran.verification.check import CheckResult, Row
 
 CELLS = (250, 500, 1000, 2000, 4000, 8000)
 WANTED = 0.01
@@ -26,10 +26,10 @@ WANTED = 0.01
 
 @dataclass(frozen=True)
 class Collapse:
-    """A column of 0.14 m x 0.20 m, phi 0.62, and when it is looked at: in motion, and late.
+    """A column of 0.14 m x 0.20 m, phi 0.62, at two times: in motion, and late.
 
     Attributes:
-        angle: Of the slope, degrees.
+        angle: Slope, degrees.
         right: End of the grid, m.
         times: s.
     """
@@ -60,7 +60,7 @@ QUANTITIES: dict[str, Callable[[Case, xr.Dataset, int], float]] = {
     "maximum height": lambda case, run, at: float(run["h_max"][at]),
     "volume": lambda case, run, at: 1.0 + float(run["volume_change"][at]),
 }
-"""Each a number > 0 whose relative error is told. The front counts from the foot of the column, at x = 0."""
+"""Each a number > 0 whose relative error is reported. The front counts from the foot of the column, at x = 0."""
 BULK = ("front at h = 10 mm", "maximum height")
 """Those that must converge, to three percent on this many cells."""
 JUDGED = 2000
@@ -79,7 +79,7 @@ def refine(
     }
 
 
-def convergence(cells: Sequence[int] = CELLS, *, device: str = "cpu", precision: Precision = "float64") -> Outcome:
+def convergence(cells: Sequence[int] = CELLS, *, device: str = "cpu", precision: Precision = "float64") -> CheckResult:
     """The collapses on all grids: errors against Richardson's estimate, orders, and cells for one percent."""
     found = {collapse: refine(collapse, cells, device, precision) for collapse in COLLAPSES}
     rows = [_row(collapse, t, series) for collapse, all_of_it in found.items() for (t, _), series in all_of_it.items()]
@@ -91,7 +91,7 @@ def convergence(cells: Sequence[int] = CELLS, *, device: str = "cpu", precision:
         "place moves on by as much at every halving of the cells, and the volume with it. So it is asked only that the "
         f"front at 10 mm and the maximum height are within 3 percent on {JUDGED} cells.",
     )
-    return Outcome("Which grid gives one percent", text, tuple(rows), {"convergence": draw(found)})
+    return CheckResult("Which grid gives one percent", text, tuple(rows), {"convergence": draw(found)})
 
 
 def _row(collapse: Collapse, t: float, series: Refined) -> Row:

@@ -11,17 +11,8 @@ from matplotlib.figure import Figure
 from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.verification import exact
-from warpgran.verification.grids import (
-    PHI,
-    G,
-    centres,
-    coulomb,
-    falling,
-    of_constant_phi,
-    starting_from,
-    study,
-)
-from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
+from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
+from warpgran.verification.grids import PHI, G, centres, compare, coulomb, falling, of_constant_phi, starting_from
 from warpgran.verification.plots import against_exact
 
 H_0 = 0.1
@@ -42,11 +33,11 @@ def dam(h_l: float, h_r: float, left: float, right: float, **changes: Any) -> Ca
     return start
 
 
-def ritter(setting: Setting) -> Outcome:
+def ritter(options: CheckOptions) -> CheckResult:
     """Ritter's dam break, onto a dry bed."""
     times = (0.2, 0.6)
     start = dam(H_0, 0.0, -0.8, 1.6, **coulomb(0.0))
-    found = study(setting, start, of_constant_phi(lambda x, t: exact.ritter(x, t, H_0, G)), times, 96)
+    found = compare(options, start, of_constant_phi(lambda x, t: exact.ritter(x, t, H_0, G)), times, 96)
     rows = tuple(found.row(name, at, 0.5, 0.05) for name in ("h", "h v") for at in range(2))
     text = paragraphs(f"""
         A mass of h = {100 * H_0:g} cm on the left of x = 0 is let go on a dry horizontal bed, without friction and
@@ -57,14 +48,14 @@ def ritter(setting: Setting) -> Outcome:
         """)
     caption = f"Ritter's dam break after {times[0]:g} s and {times[1]:g} s."
     figure = against_exact(found, rows, ("h", "v"), caption)
-    return Outcome("Dam break on a dry bed (Ritter)", text, rows, {"ritter": figure})
+    return CheckResult("Dam break on a dry bed (Ritter)", text, rows, {"ritter": figure})
 
 
-def stoker(setting: Setting) -> Outcome:
+def stoker(options: CheckOptions) -> CheckResult:
     """Stoker's dam break, onto a thin layer."""
     times, h_r = (0.2, 0.6), 0.02
     start = dam(H_0, h_r, -1.0, 1.0, **coulomb(0.0))
-    found = study(setting, start, of_constant_phi(lambda x, t: exact.stoker(x, t, H_0, h_r, G)), times, 100)
+    found = compare(options, start, of_constant_phi(lambda x, t: exact.stoker(x, t, H_0, h_r, G)), times, 100)
     rows = tuple(found.row(name, at, 0.5, 0.05) for name in ("h", "h v") for at in range(2))
     text = paragraphs(f"""
         The same onto a layer of {100 * h_r:g} cm at rest: a rarefaction, a uniform state and a bore (Stoker, 1957).
@@ -73,12 +64,12 @@ def stoker(setting: Setting) -> Outcome:
         {RATE}
         """)
     caption = f"Stoker's dam break after {times[0]:g} s and {times[1]:g} s."
-    return Outcome(
+    return CheckResult(
         "Dam break on a layer (Stoker)", text, rows, {"stoker": against_exact(found, rows, ("h", "v"), caption)}
     )
 
 
-def sliding(setting: Setting) -> Outcome:
+def sliding(options: CheckOptions) -> CheckResult:
     """Dam break with Coulomb friction on a slope steeper than the friction angle."""
     theta, delta, left, right, times = np.radians(30.0), np.radians(20.0), -2.5, 2.5, (0.2, 0.6)
     g_c, m = float(G * np.cos(theta)), exact.acceleration(theta, delta, G)
@@ -89,7 +80,7 @@ def sliding(setting: Setting) -> Outcome:
 
     start = dam(H_0, 0.0, left, right, **{"slope.angle": 30.0}, **coulomb(float(np.tan(delta))))
     flow = of_constant_phi(lambda x, t: exact.sliding_dam(x, t, H_0, m, g_c))
-    found = study(setting, start, flow, times, 125, span)
+    found = compare(options, start, flow, times, 125, span)
     rows = tuple(found.row(name, at, 0.5, 0.05) for name in ("h", "h v") for at in range(2))
     text = paragraphs(f"""
         Slope of 30 degrees, friction angle of 20 degrees, constant: all slides, the mass behind the dam too, and
@@ -104,10 +95,10 @@ def sliding(setting: Setting) -> Outcome:
         """)
     caption = f"Dam break on a slope of 30 degrees with friction of 20 degrees after {times[0]:g} s and {times[1]:g} s."
     figure = against_exact(found, rows, ("h", "v"), caption)
-    return Outcome("Dam break steeper than the friction angle", text, rows, {"sliding": figure})
+    return CheckResult("Dam break steeper than the friction angle", text, rows, {"sliding": figure})
 
 
-def braked(setting: Setting) -> Outcome:
+def braked(options: CheckOptions) -> CheckResult:
     """Dam break with Coulomb friction on a slope less steep than the friction angle, until it rests."""
     theta, delta = np.radians(15.0), np.radians(25.0)
     g_c, m = float(G * np.cos(theta)), exact.acceleration(theta, delta, G)
@@ -119,7 +110,7 @@ def braked(setting: Setting) -> Outcome:
     figures: dict[str, Figure] = {}
     for words, xi in (("xi = 0", [0.0, 0.0, 0.0]), ("default xi", [2.0, 2.0, 5.0])):
         changes = {"slope.angle": 15.0, "scheme.xi": xi, **coulomb(float(np.tan(delta)))}
-        found = study(setting, dam(H_0, 0.0, -0.6 * reach, 1.4 * reach, **changes), flow, times, 200)
+        found = compare(options, dam(H_0, 0.0, -0.6 * reach, 1.4 * reach, **changes), flow, times, 200)
         mine = [found.row("h", at, 0.5, 0.05, f", {words}") for at in range(3)]
         mine += [found.row("h v", at, 0.5, 0.05, f", {words}") for at in range(2)]
         moving = [(g.x.size, _still_moving(g.h[2], g.v[2], g.h[0], g.v[0])) for g in found.grids]
@@ -155,7 +146,7 @@ def braked(setting: Setting) -> Outcome:
 
         {RATE}
         """)
-    return Outcome("Dam break less steep than the friction angle", text, rows, figures)
+    return CheckResult("Dam break less steep than the friction angle", text, rows, figures)
 
 
 def _still_moving(h: Array, v: Array, h_before: Array, v_before: Array) -> float:

@@ -125,7 +125,7 @@ class BrakedDam:
             h_0: Thickness behind the dam, m.
             m: Acceleration, m/s2, < 0.
             g_c: Gravity normal to the slope, m/s2.
-            steps: Of the grid in b; the error goes as their square, and is 1e-5 in the mass that moves for 600.
+            steps: Steps of the grid in b; the error goes as their square, and is 1e-5 in the mass that moves for 600.
 
         Raises:
             ValueError: m >= 0.

@@ -12,20 +12,20 @@ from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.case.sections import Grid
 from warpgran.run.simulate import simulate
+from warpgran.verification.check import CheckOptions, Row
 from warpgran.verification.exact import Flow
-from warpgran.verification.outcome import Row, Setting
 
 Fields = tuple[Array, Array, Array]
 Exact = Callable[[Array, float], Fields]
 """h [m], v [m/s], phi at places x [m] and a time t [s]."""
 
 POINTS = 16
-"""Places in a cell over which an exact solution is averaged."""
+"""Points in a cell over which an exact solution is averaged."""
 
 G = Case().slope.gravity
 """m/s2."""
 PHI = 0.6
-"""Where it plays no part."""
+"""Volume fraction where it plays no part."""
 
 
 def coulomb(mu: float) -> dict[str, Any]:
@@ -76,7 +76,7 @@ def starting_from(h: Array, v: Array | float, phi: Array | float, left: float, r
 
 @dataclass(frozen=True)
 class Computed:
-    """One grid.
+    """A case computed on one grid.
 
     Attributes:
         x: Cell centres, m.
@@ -94,14 +94,14 @@ class Computed:
 
 
 @dataclass(frozen=True)
-class Study:
-    """One problem on all grids.
+class Comparison:
+    """One problem on all grids, and its exact solution.
 
     Attributes:
-        exact: What it should be.
-        times: Of the comparison, s.
-        grids: Coarse to fine.
-        span: At each time, the ends of what is compared, m.
+        exact: The exact solution.
+        times: Times of the comparison, s.
+        grids: Results, coarse to fine.
+        span: At each time, the ends of the interval compared, m.
     """
 
     exact: Exact
@@ -157,38 +157,38 @@ def falling(compared: str, unit: str, errors: Sequence[tuple[int, float]], least
     return Row(compared, last, unit, bound, bool(order >= least_order and last <= most), order, tuple(errors))
 
 
-def study(
-    setting: Setting,
+def compare(
+    options: CheckOptions,
     start: Callable[[int], Case],
     exact: Exact,
     times: Sequence[float],
     coarsest: int,
     span: Callable[[float], tuple[float, float]] | None = None,
-) -> Study:
-    """Compute a problem on all grids of a setting.
+) -> Comparison:
+    """Compute a problem on all grids.
 
     Args:
-        setting: How.
+        options: How to compute.
         start: The case with so many cells.
-        exact: What it should be.
-        times: Of the comparison, s, > 0.
+        exact: The exact solution.
+        times: Times of the comparison, s, > 0.
         coarsest: Cells of the first grid.
-        span: The ends of what is compared at a time, m; by default the grid's.
+        span: The ends of the interval compared at a time, m; by default the grid's.
     """
     output = {"time.end": float(times[-1]), "time.snapshots": [float(t) for t in times]}
-    cases = [start(cells).with_(**output) for cells in setting.cells(coarsest)]
-    grids = tuple(computed(case, setting) for case in cases)
+    cases = [start(cells).with_(**output) for cells in options.cells(coarsest)]
+    grids = tuple(computed(case, options) for case in cases)
     ends = cases[0].grid.left, cases[0].grid.right
-    return Study(exact, tuple(times), grids, span or (lambda t: ends))
+    return Comparison(exact, tuple(times), grids, span or (lambda t: ends))
 
 
-def computed(case: Case, setting: Setting) -> Computed:
+def computed(case: Case, options: CheckOptions) -> Computed:
     """A case computed, at its snapshots.
 
     Raises:
         RuntimeError: It did not reach its end.
     """
-    data = simulate(case, device=setting.device, precision=setting.precision).isel(run=0)
+    data = simulate(case, device=options.device, precision=options.precision).isel(run=0)
     if not np.isfinite(data["h"].values).all():
         raise RuntimeError(f"{case.title or 'a run'} with {case.grid.cells} cells did not reach its end")
     return Computed(data["x"].values, data["h"].values, data["v"].values, data["phi"].values, case.dx)

@@ -9,17 +9,9 @@ import numpy as np
 from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.verification import exact
+from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
 from warpgran.verification.exact import Uniform
-from warpgran.verification.grids import (
-    Fields,
-    G,
-    centres,
-    computed,
-    coulomb,
-    starting_from,
-    study,
-)
-from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
+from warpgran.verification.grids import Fields, G, centres, compare, computed, coulomb, starting_from
 from warpgran.verification.plots import against_exact
 
 PROBLEMS = {
@@ -30,7 +22,7 @@ PROBLEMS = {
 
 
 COARSEST = 100
-"""Cells of the first grid. The contact is looked at when it stands at the edge of a cell of it, and so of all."""
+"""Cells of the first grid. The comparison is at a time when the contact stands at the edge of a cell of all grids."""
 
 
 def two_sides(left: Uniform, right: Uniform, cells: int, mu: float = 0.0) -> Case:
@@ -44,7 +36,7 @@ def _exact(left: Uniform, right: Uniform, x: Array, t: float) -> Fields:
     return exact.riemann(x, t, left, right, G)
 
 
-def riemann(setting: Setting) -> Outcome:
+def riemann(options: CheckOptions) -> CheckResult:
     """Riemann problems of the homogeneous system."""
     rows: list[Row] = []
     figures = {}
@@ -52,7 +44,7 @@ def riemann(setting: Setting) -> Outcome:
         v, _ = exact.contact(left, right, G)
         dx = 2.0 / COARSEST
         t = dx * round(0.3 * v / dx) / v
-        found = study(setting, partial(two_sides, left, right), partial(_exact, left, right), (t,), COARSEST)
+        found = compare(options, partial(two_sides, left, right), partial(_exact, left, right), (t,), COARSEST)
         mine = [found.row("h", 0, 0.5, 0.05, f", {words}"), found.row("h v", 0, 0.5, 0.05, f", {words}")]
         mine.append(found.row("phi", 0, 0.45, 0.05, f", {words}"))
         rows += mine
@@ -62,7 +54,7 @@ def riemann(setting: Setting) -> Outcome:
         )
         caption = f"Riemann problem after {t:.3g} s, {words} ({sides})."
         figures[f"riemann_{number}"] = against_exact(found, mine, ("h", "v", "phi"), caption)
-    rows += _contacts(setting)
+    rows += _contacts(options)
     text = paragraphs("""
         Two uniform states that meet at x = 0, without friction and dilatancy. phi is carried with the mass, and the
         pressure is g_c phi h^2/2 (the system of Ripa, 1993): between two outer waves stands a contact, where h and
@@ -79,18 +71,18 @@ def riemann(setting: Setting) -> Outcome:
         contact adjust by a fraction of a percent, at less than 0.1 mm/s, and then rest. It is reported, and does not
         shrink with dx.
         """)
-    return Outcome("Riemann problems with a jump of phi", text, tuple(rows), figures)
+    return CheckResult("Riemann problems with a jump of phi", text, tuple(rows), figures)
 
 
-def _contacts(setting: Setting) -> list[Row]:
+def _contacts(options: CheckOptions) -> list[Row]:
     """What becomes of a contact at rest, without and with friction."""
     left, phi = Uniform(0.05, 0.0, 0.6), 0.45
     right = Uniform(float(left.h * np.sqrt(left.phi / phi)), 0.0, phi)
-    most = 1e-12 if setting.precision == "float64" else 1e-4
+    most = 1e-12 if options.precision == "float64" else 1e-4
     rows = []
     for mu in (0.0, 0.48):
         case = two_sides(left, right, 200, mu).with_(**{"time.end": 1.0, "time.snapshots": [0.01, 1.0]})
-        found = computed(case, setting)
+        found = computed(case, options)
         speed = float(np.abs(found.v).max())
         change = float((np.abs(found.h[-1] - case.initial_state()[0]) / case.initial_state()[0]).max())
         words = f"contact at rest, mu = {mu:g}"

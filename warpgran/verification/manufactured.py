@@ -13,13 +13,13 @@ from warpgran.case.case import Case
 from warpgran.physics.laws import phi_equilibrium, shear
 from warpgran.physics.reference import Fields, friction
 from warpgran.solve.solver import Solver
-from warpgran.verification.grids import Computed, Study, centres, starting_from
-from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
+from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
+from warpgran.verification.grids import Comparison, Computed, centres, starting_from
 from warpgran.verification.plots import against_exact
 
 TIMES = (0.1, 0.3)
 LENGTH = 1.0
-"""Of the waves, m, whose ends are joined."""
+"""Length of the waves, m, whose ends are joined."""
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,9 @@ def sources(x: Array, t: float, case: Case) -> Array:
     return np.stack((mass, momentum, third))
 
 
-def driven(case: Case, setting: Setting) -> Computed:
+def driven(case: Case, options: CheckOptions) -> Computed:
     """The case with the sources added after every step, at its snapshots, which must not begin with 0."""
-    solver = Solver.holding([case], precision_name=setting.precision, device=setting.device)
+    solver = Solver.holding([case], precision_name=options.precision, device=options.device)
     state, x = solver.state, case.x
     cells = slice(state.row(0), state.row(0) + x.size)
     ended, before = False, 0.0
@@ -100,13 +100,13 @@ def start(cells: int, **changes: Any) -> Case:
     return starting_from(h, v, phi, 0.0, LENGTH, **joined, **seen, **changes)
 
 
-def manufactured(setting: Setting) -> Outcome:
+def manufactured(options: CheckOptions) -> CheckResult:
     """Order of accuracy of all terms together, with and without viscosity."""
     rows: list[Row] = []
     figures: dict[str, Figure] = {}
     for words, changes in VARIANTS.items():
-        grids = tuple(driven(start(cells, **changes), setting) for cells in setting.cells(50))
-        found = Study(flow, TIMES, grids, lambda t: (0.0, LENGTH))
+        grids = tuple(driven(start(cells, **changes), options) for cells in options.cells(50))
+        found = Comparison(flow, TIMES, grids, lambda t: (0.0, LENGTH))
         mine = [found.row(name, 1, 0.9, 0.05, f", {words}") for name in ("h", "h v", "phi")]
         if words == WITHOUT:
             mine[2] = replace(mine[2], bound="reported", holds=None)
@@ -132,4 +132,4 @@ def manufactured(setting: Setting) -> Outcome:
         the paper has it, and comes to order 1 later: 0.82 from 50 to 100 cells, 0.97 from 3200 to 6400. This one row
         is reported, not asked.
         """)
-    return Outcome("Manufactured solution of the whole system", text, tuple(rows), figures)
+    return CheckResult("Manufactured solution of the whole system", text, tuple(rows), figures)

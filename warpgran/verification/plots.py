@@ -12,15 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from warpgran.figures.style import STYLE, WIDTH, letter
-from warpgran.verification.grids import Study
-from warpgran.verification.outcome import Row
+from warpgran.verification.check import Row
+from warpgran.verification.grids import Comparison
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # told apart by the colour-blind, and by lightness
 MARKS = "osD^vx"
 LABELS = {"h": "thickness $h$ (cm)", "v": "velocity $v$ (m/s)", "phi": r"volume fraction $\varphi$ (-)"}
 FACTORS = {"h": 100.0, "v": 1.0, "phi": 1.0}
 THIN = 1e-3
-"""Of the greatest thickness: where there is less, velocity and volume fraction are not drawn."""
+"""Share of the greatest thickness below which velocity and volume fraction are not drawn."""
 
 
 def style() -> AbstractContextManager[None]:
@@ -36,34 +36,34 @@ def panels(count: int, rows: int = 1) -> tuple[Figure, list[Axes]]:
     return figure, axes
 
 
-def against_exact(study: Study, rows: Sequence[Row], names: Sequence[str], caption: str) -> Figure:
+def against_exact(comparison: Comparison, rows: Sequence[Row], names: Sequence[str], caption: str) -> Figure:
     """Profiles of the coarsest and the finest grid on the exact solution at all times, and the errors of all grids.
 
     Args:
-        study: What was computed.
+        comparison: What was computed, and the exact solution.
         rows: Whose errors are drawn.
         names: Which of "h", "v", "phi" are drawn, a panel each.
         caption: What it shows.
     """
     figure, axes = panels(len(names) + 1, rows=1 if len(names) < 3 else 2)
     for ax, name in zip(axes, names, strict=False):
-        _profiles(ax, study, name)
+        _profiles(ax, comparison, name)
     errors(axes[-1], rows)
     axes[0].legend(handlelength=2.4)
     figure.set_label(caption)
     return figure
 
 
-def _profiles(ax: Axes, study: Study, name: str) -> None:
+def _profiles(ax: Axes, comparison: Comparison, name: str) -> None:
     place = ("h", "v", "phi").index(name)
-    for at, t in enumerate(study.times):
-        low, high = study.span(t)
+    for at, t in enumerate(comparison.times):
+        low, high = comparison.span(t)
         x = np.linspace(low, high, 2001)
-        fields = study.exact(x, t)
+        fields = comparison.exact(x, t)
         thick = fields[0] > THIN * fields[0].max()
         exact = fields[place] if name == "h" else np.where(thick, fields[place], np.nan)
         ax.plot(x, FACTORS[name] * exact, color="0.72", linewidth=2.6, label="exact" if at == 0 else None)
-        for grid, line, width in ((study.grids[0], ":", 1.2), (study.grids[-1], "-", 0.8)):
+        for grid, line, width in ((comparison.grids[0], ":", 1.2), (comparison.grids[-1], "-", 0.8)):
             inside = (grid.x > low) & (grid.x < high)
             found = (grid.h, grid.v, grid.phi)[place][at]
             shown = inside & ((grid.h[at] > THIN * grid.h[at].max()) | (name == "h"))
@@ -76,7 +76,7 @@ def _profiles(ax: Axes, study: Study, name: str) -> None:
 
 
 def errors(ax: Axes, rows: Sequence[Row], steps: str = "number of cells") -> None:
-    """Errors over the number of cells, with lines of order 1/2 and 1 over the grids that the order is taken of.
+    """Errors over the number of cells, with lines of order 1/2 and 1 over the grids that determine the order.
 
     Args:
         ax: Where.

@@ -17,7 +17,7 @@ from warpgran.case.case import Case
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
 from warpgran.schema import FIELDS, SERIES, Status
-from warpgran.verification.outcome import Outcome, Row
+from warpgran.verification.check import CheckResult, Row
 from warpgran.verification.space import AXES, SCALES, case_at
 
 PRECISIONS: tuple[Precision, ...] = ("float64", "float32")
@@ -34,17 +34,17 @@ COMPANY = 16
 
 @dataclass
 class Findings:
-    """What was seen over many runs.
+    """Extremes and faults over many runs.
 
     Attributes:
-        runs: How many.
-        unfinished: Those of them that ran out of steps before their end; what they recorded is judged.
-        cell_steps: Computed.
+        runs: Number of runs.
+        unfinished: Number of runs that ran out of steps before their end; what they recorded is judged.
+        cell_steps: Cell-steps computed.
         mass: Largest change of mass between closed ends, a fraction, by precision.
         excess: Largest phi over max(phi_0, phi_stat), less 1.
         speed: Largest |v| over `speed_bound`.
         least_phi: Smallest phi of a wet or dry cell.
-        faults: What does not hold, with the case and the precision.
+        faults: Each property that does not hold, with the case and the precision.
     """
 
     runs: int = 0
@@ -72,7 +72,7 @@ def points(scale: float, count: int, seed: int) -> np.ndarray:
 
 
 def examine(cases: Sequence[Case], precision: Precision, findings: Findings) -> None:
-    """Compute cases of one scale as a batch, some of them again in other company, and add what is seen."""
+    """Compute cases of one scale as a batch, some of them again in other company, and add to the findings."""
     data = simulate(cases, precision=precision)
     findings.runs += len(cases)
     findings.cell_steps += int(data.attrs["cell_steps"])
@@ -149,7 +149,7 @@ def run_files(findings: Findings) -> dict[str, str]:
     }
 
 
-def deep(count: int = 2048, seed: int = 2026) -> Outcome:
+def deep(count: int = 2048, seed: int = 2026) -> CheckResult:
     """The properties over 2 x 5 x `count` runs, minutes of computing."""
     found = search(count, seed)
     text = (
@@ -176,4 +176,4 @@ def deep(count: int = 2048, seed: int = 2026) -> Outcome:
         rows.append(
             Row(f"change of mass between closed ends, {precision}", change, "-", f"<= {bound:g}", change <= bound)
         )
-    return Outcome("Any run that is accepted", text, tuple(rows), run_files=run_files(found))
+    return CheckResult("Any run that is accepted", text, tuple(rows), run_files=run_files(found))

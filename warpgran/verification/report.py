@@ -1,4 +1,4 @@
-"""What came of the cases: a table for the terminal, a page, figures and a CSV file."""
+"""The report of the checks: a table for the terminal, a page, figures and a CSV file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rich.table import Table
 
 from warpgran.figures.page import Page
 from warpgran.files import replacing
-from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
+from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
 from warpgran.verification.plots import style
 
 PAGE = "verification.html"
@@ -39,7 +39,7 @@ def cells_of(row: Row) -> tuple[str, ...]:
     return row.compared, f"{row.error:.2e}", row.unit, order, row.bound, holds(row)
 
 
-def printed(outcomes: Mapping[str, Outcome]) -> Table:
+def printed(outcomes: Mapping[str, CheckResult]) -> Table:
     """The table for the terminal, a section a case."""
     table = Table("case", *COLUMNS, pad_edge=False)
     for name, outcome in outcomes.items():
@@ -49,13 +49,13 @@ def printed(outcomes: Mapping[str, Outcome]) -> Table:
     return table
 
 
-def write(outcomes: Mapping[str, Outcome], folder: Path, setting: Setting) -> Path:
+def write(outcomes: Mapping[str, CheckResult], folder: Path, options: CheckOptions) -> Path:
     """Write the page, its figures as PNG, the table as CSV, and run files of what failed.
 
     Args:
         outcomes: By the name of the case.
         folder: To write to; must exist.
-        setting: How they were computed.
+        options: How they were computed.
 
     Returns:
         The page.
@@ -63,7 +63,7 @@ def write(outcomes: Mapping[str, Outcome], folder: Path, setting: Setting) -> Pa
     page = Page("Verification of warpgran")
     for text in INTRODUCTION:
         page.paragraph(text)
-    page.table(("fact", "value"), facts(setting))
+    page.table(("fact", "value"), facts(options))
     page.table(
         ("case", "what it is", "rows that hold", "holds"), [summary(*item) for item in outcomes.items()], "holds"
     )
@@ -88,20 +88,20 @@ def write(outcomes: Mapping[str, Outcome], folder: Path, setting: Setting) -> Pa
     return folder / PAGE
 
 
-def facts(setting: Setting) -> list[tuple[str, str]]:
-    """What the figures depend on."""
+def facts(options: CheckOptions) -> list[tuple[str, str]]:
+    """Versions, precision, device and grids of the results."""
     python = sys.version.split()[0]
     versions = ", ".join(f"{name} {version(package)}" for name, package in
                          (("warpgran", "warpgran"), ("warp", "warp-lang"), ("numpy", "numpy")))  # fmt: skip
     return [
         ("versions", f"{versions}, python {python}"),
-        ("precision", f"{setting.precision}, where a row names none"),
-        ("device", setting.device),
-        ("grids", f"{setting.grids}, each with twice the cells of the one before"),
+        ("precision", f"{options.precision}, where a row names none"),
+        ("device", options.device),
+        ("grids", f"{options.grids}, each with twice the cells of the one before"),
     ]
 
 
-def summary(name: str, outcome: Outcome) -> tuple[str, str, str, str]:
+def summary(name: str, outcome: CheckResult) -> tuple[str, str, str, str]:
     """A case in a row."""
     asked = [row.holds for row in outcome.rows if row.holds is not None]
     return name, outcome.title, f"{sum(asked)} of {len(asked)}", "yes" if outcome.holds else "no"
@@ -118,7 +118,7 @@ def _errors_by_grid(page: Page, rows: Sequence[Row]) -> None:
         page.table(heads, [(row.compared, *(f"{error:.2e}" for _, error in row.errors)) for row in those])
 
 
-def _write_csv(outcomes: Mapping[str, Outcome], path: Path) -> None:
+def _write_csv(outcomes: Mapping[str, CheckResult], path: Path) -> None:
     with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(("case", *COLUMNS))

@@ -14,19 +14,19 @@ from warpgran.case.case import Case
 from warpgran.figures.style import TIME_LABEL
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
+from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
 from warpgran.verification.grids import centres, computed, coulomb, falling, starting_from
-from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import COLOURS, MARKS, panels
 
 CELLS = 200
 LEVEL = 0.1
-"""Of the lake, m."""
+"""Level of the lake, m."""
 ALPHAS = (1.5, 2.0, 3.0)
 CREEP = 5.0
-"""How long the heaps are looked at, s."""
+"""End time of the heaps, s."""
 TIMES = (0.01, 0.03, 0.1, 0.3, 1.0)
 BOUNDS: dict[Precision, float] = {"float64": 2e-13, "float32": 1e-4}
-"""Of v over the wave speed of the lake: a thousand units in the last place."""
+"""Bounds of v over the wave speed of the lake: a thousand units in the last place."""
 
 
 def rough_bed(roughness: float) -> Array:
@@ -73,7 +73,7 @@ STATES: dict[str, Callable[[float, float], Case]] = {
 
 @dataclass(frozen=True)
 class Circumstance:
-    """Under what a state must rest: friction, viscosity, and whether that is asked of it or only looked at."""
+    """Friction and viscosity under which a state must rest, and whether that is required or only reported."""
 
     words: str
     mu: tuple[float, ...]
@@ -88,7 +88,7 @@ CIRCUMSTANCES = (
 )
 
 
-def at_rest(setting: Setting) -> Outcome:
+def at_rest(options: CheckOptions) -> CheckResult:
     """Both families, three values of alpha, with and without friction and viscosity, in both precisions."""
     rows = []
     figure, (profile, *speeds) = panels(4, rows=2)
@@ -97,7 +97,7 @@ def at_rest(setting: Setting) -> Outcome:
         for n, (words, state) in enumerate(STATES.items()):
             for precision, bound in BOUNDS.items():
                 cases = [state(mu, alpha) for alpha in ALPHAS for mu in circumstance.mu]
-                fastest = _fastest(cases, circumstance.viscous, replace(setting, precision=precision))
+                fastest = _fastest(cases, circumstance.viscous, replace(options, precision=precision))
                 worst = float(fastest.max())
                 asked = (f"<= {bound:g}", worst <= bound) if circumstance.asked else ("reported", None)
                 rows.append(Row(f"{words}, {precision}, {circumstance.words}: max |v|/c", worst, "-", *asked))
@@ -108,7 +108,7 @@ def at_rest(setting: Setting) -> Outcome:
         ax.set(xlabel=TIME_LABEL, ylabel="largest speed $|v|/c$ (-)", ylim=(1e-18, 10.0))
         ax.set_title(circumstance.words, fontsize=8, pad=3)
     speeds[0].legend(fontsize=6.5, loc="center", labelspacing=0.2)
-    rows += _heaps(setting)
+    rows += _heaps(options)
     figure.set_label(
         "(a) The states for alpha = 2: beds in grey, surfaces in blue and orange. (b) to (d) The largest speed that "
         "arises, relative to the wave speed of the lake: without viscosity, with viscosity and friction, with "
@@ -137,29 +137,29 @@ def at_rest(setting: Setting) -> Outcome:
         without viscosity, by 0.1 % of its thickness in {CREEP:g} s on 100 cells. That is an error
         of the scheme which must vanish with dx: order 1 at least, 0.9 asked.
         """)
-    return Outcome("Steady states at rest", text, tuple(rows), {"at_rest": figure})
+    return CheckResult("Steady states at rest", text, tuple(rows), {"at_rest": figure})
 
 
-def _fastest(cases: Sequence[Case], viscous: bool, setting: Setting) -> Array:
+def _fastest(cases: Sequence[Case], viscous: bool, options: CheckOptions) -> Array:
     """Largest |v|/c at each of TIMES in any of the cases."""
     changes: dict[str, Any] = {"time.end": TIMES[-1], "time.snapshots": list(TIMES)}
     if not viscous:
         changes["scheme.xi"] = [0.0, 0.0, 0.0]
-    data = simulate([case.with_(**changes) for case in cases], device=setting.device, precision=setting.precision)
+    data = simulate([case.with_(**changes) for case in cases], device=options.device, precision=options.precision)
     c = np.sqrt(cases[0].g_c * LEVEL)
     return np.asarray(np.abs(data["v"].values).max(axis=(0, 2)) / c)
 
 
-def _heaps(setting: Setting) -> list[Row]:
+def _heaps(options: CheckOptions) -> list[Row]:
     """How a heap that friction holds changes, with constant and with varying phi."""
     changes = []
-    for variation, cells in ((0.0, (400,)), (0.02, setting.cells(100))):
+    for variation, cells in ((0.0, (400,)), (0.02, options.cells(100))):
         for n in cells:
             case = heap(n, variation).with_(**{"time.end": CREEP, "time.snapshots": [CREEP]})
             h, _ = case.initial_state()
-            changes.append((n, float(np.abs(computed(case, setting).h[0] - h).sum() / h.sum())))
+            changes.append((n, float(np.abs(computed(case, options).h[0] - h).sum() / h.sum())))
     (_, constant), *varying = changes
-    most = 1e-12 if setting.precision == "float64" else 1e-4
+    most = 1e-12 if options.precision == "float64" else 1e-4
     kept = Row(f"heap held by friction, constant phi: change of h in {CREEP:g} s, L1", constant, "-", f"<= {most:g}",
                constant <= most)  # fmt: skip
     words = f"heap held by friction, phi = 0.58 +- 0.02: change of h in {CREEP:g} s, L1"

@@ -20,7 +20,7 @@ from warpgran.solve.variant import SINGLE_ALPHA
 
 @dataclass(frozen=True)
 class Axis:
-    """What varies along one direction.
+    """One direction of the space.
 
     Attributes:
         name: The key of the run file, or words for a number that several keys are made of.
@@ -77,7 +77,7 @@ AXES = (
     Axis("h_bed/height", choices=(0.0, 0.0, 1e-6, 1e-3, 0.3)),
     Axis("ends", choices=(("wall", "wall"), ("wall", "open"), ("open", "wall"), ("open", "open"), ("periodic",) * 2)),
 )
-"""The paper's viscosity is not among the choices: phi passes 1 under it, and a run that does is told of as diverged.
+"""The paper's viscosity is not among the choices: phi passes 1 under it, which ends a run as diverged.
 So may phi above 0.85, since the transport lets it pass its initial maximum by up to a tenth on steep slopes."""
 
 SCALES = (1e-3, 1e-2, 1e-1, 1.0, 10.0)
@@ -92,7 +92,7 @@ def case_at(point: Sequence[float] | np.ndarray, scale: float, precision: str = 
     Args:
         point: A number in [0, 1) for each of AXES.
         scale: One of SCALES, m; the run lasts as long as a grain takes to fall 1.5 times that.
-        precision: Of the run; alpha goes as far as it allows.
+        precision: Precision of the run, which limits alpha.
     """
     v = {axis.name: axis.at(u) for axis, u in zip(AXES, point, strict=True)}
     changes = {name: value for name, value in v.items() if "." in name}

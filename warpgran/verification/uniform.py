@@ -14,12 +14,12 @@ from warpgran.figures.style import TIME_LABEL
 from warpgran.physics.laws import phi_equilibrium, shear
 from warpgran.physics.reference import Fields, friction
 from warpgran.verification import exact
+from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
 from warpgran.verification.grids import G, computed, falling, starting_from
-from warpgran.verification.outcome import Outcome, Row, Setting, paragraphs
 from warpgran.verification.plots import COLOURS, LABELS, MARKS, errors, panels
 
 LENGTH = 0.4
-"""Of the layers, m, whose ends are joined."""
+"""Length of the layers, m, whose ends are joined."""
 
 
 def layer(cells: int, h: float, v: float, phi: float, times: Sequence[float], **changes: Any) -> Case:
@@ -29,7 +29,7 @@ def layer(cells: int, h: float, v: float, phi: float, times: Sequence[float], **
     return starting_from(np.full(cells, h), v, phi, 0.0, LENGTH, **joined, **seen, **changes)
 
 
-def relaxation(setting: Setting) -> Outcome:
+def relaxation(options: CheckOptions) -> CheckResult:
     """Dilatancy alone: a loose layer that slides without friction."""
     mass, v, phi_0 = 0.02, 1.0, 0.45
     times = np.linspace(0.0, 0.05, 6)
@@ -45,16 +45,16 @@ def relaxation(setting: Setting) -> Outcome:
     rows, drift = [], 0.0
     for n, form in enumerate(("rational", "exponential")):
         found = []
-        for cells in setting.cells(32):
+        for cells in options.cells(32):
             changes = {"rheology.mu1": 0.0, "rheology.mu2": 0.0, "scheme.relaxation": form}
-            one = computed(layer(cells, mass / phi_0, v, phi_0, times.tolist(), **changes), setting)
+            one = computed(layer(cells, mass / phi_0, v, phi_0, times.tolist(), **changes), options)
             found.append((cells, float(np.abs(one.phi - phi(times)[:, None]).max())))
             drift = max(drift, float(np.abs(one.v / v - 1.0).max()))
             if len(found) == 1:
                 style, label = MARKS[n], f"{form}, {cells} cells"
                 curves.plot(1e3 * times, one.phi[:, 0], style, color=COLOURS[n], markersize=4, label=label)
         rows.append(falling(f"{form} form, phi, largest error up to {times[-1]:g} s", "-", found, 0.9, 0.01))
-    still = 1e-12 if setting.precision == "float64" else 1e-4
+    still = 1e-12 if options.precision == "float64" else 1e-4
     rows.append(Row("v, which must stay as it is: relative change", drift, "-", f"<= {still:g}", drift <= still))
     curves.set(xlabel="time $t$ (ms)", ylabel=LABELS["phi"])
     curves.legend(loc="lower right")
@@ -72,7 +72,7 @@ def relaxation(setting: Setting) -> Outcome:
         by the CFL condition; 0.9 is asked. The coarse grids take only about ten steps in the time in which phi gets
         there.
         """)
-    return Outcome("Dilatancy of a layer of constant velocity", text, tuple(rows), {"relaxation": figure})
+    return CheckResult("Dilatancy of a layer of constant velocity", text, tuple(rows), {"relaxation": figure})
 
 
 STARTS = {"loose from rest": (0.0, 0.55), "dense and slow": (0.5, 0.60), "fast": (2.0, 0.58)}
@@ -81,7 +81,7 @@ EARLY, LATE = 0.4, 30.0
 """When the way to the steady state is compared, and when it must have been reached, s."""
 
 
-def steady(setting: Setting) -> Outcome:
+def steady(options: CheckOptions) -> CheckResult:
     """The uniform layer that flows steadily between the angles of mu1 and mu2."""
     angle, thickness = 28.0, 0.02
     r = Case().rheology
@@ -91,15 +91,15 @@ def steady(setting: Setting) -> Outcome:
     mass = goal.phi * goal.h
     times = np.array([0.0, 0.1, 0.2, 0.3, EARLY, *np.linspace(0.6, 4.0, 18), LATE])
     fine = np.unique([EARLY, *np.linspace(0.0, times[-2], 401)])
-    near = 1e-10 if setting.precision == "float64" else 1e-3
+    near = 1e-10 if options.precision == "float64" else 1e-3
     figure, (speed, fraction, orders) = panels(3)
     rows = []
     for n, (words, (share, phi_0)) in enumerate(STARTS.items()):
         found: list[tuple[int, float]] = []
         path = np.empty((2, 0))
-        for cells in setting.cells(16):
+        for cells in options.cells(16):
             case = layer(cells, mass / phi_0, share * goal.v, phi_0, times.tolist(), **{"slope.angle": angle})
-            one = computed(case, setting)
+            one = computed(case, options)
             if not found:
                 path = _in_time(case, fine, mass, share * goal.v, phi_0)
                 for ax, exact_values, values in ((speed, path[0], one.v), (fraction, path[1], one.phi)):
@@ -136,7 +136,7 @@ def steady(setting: Setting) -> Outcome:
         reference): first order, 0.9 asked. The dense layer is pushed because at rest it would stay there: its
         friction mu1 + K (phi - phi_stat) is above tan(theta).
         """)
-    return Outcome("Steady uniform flow", text, tuple(rows), {"steady": figure})
+    return CheckResult("Steady uniform flow", text, tuple(rows), {"steady": figure})
 
 
 def _in_time(case: Case, times: Array, mass: float, v_0: float, phi_0: float) -> Array:

@@ -1,4 +1,4 @@
-"""What a verification case is given, and what it hands over: rows of the table, figures, and words."""
+"""A check: how it is computed, and what it returns: rows of the table, figures, and words."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from warpgran.run.options import Precision
 
 
 @dataclass(frozen=True)
-class Setting:
-    """How the cases are computed.
+class CheckOptions:
+    """How the checks are computed.
 
     Attributes:
         device: "cpu", "cuda" or "cuda:N".
         precision: "float64" or "float32".
-        grids: How many a study of accuracy goes through, each of half the cells of the one before; at least 2.
+        grids: Number of grids of an order of accuracy, each of twice the cells of the one before; at least 2.
     """
 
     device: str = "cpu"
@@ -53,11 +53,11 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What came of a case.
+class CheckResult:
+    """The result of a check.
 
     Attributes:
-        title: Of the case.
+        title: Of the check.
         text: What is computed, the exact solution and its source, and what is to be seen; a paragraph a string.
         rows: Of the table.
         figures: By file name without suffix; the caption is the figure's label.
@@ -81,5 +81,5 @@ def paragraphs(text: str) -> tuple[str, ...]:
     return tuple(" ".join(part.split()) for part in text.strip().split("\n\n"))
 
 
-Check = Callable[[Setting], Outcome]
-"""A case of the collection: computes, compares, and hands over what came of it."""
+Check = Callable[[CheckOptions], CheckResult]
+"""A check of the collection: computes, compares, and returns the result."""
