@@ -149,6 +149,14 @@ def test_a_sweep_may_be_joined_with_a_run_that_lacks_its_keys() -> None:
     assert_as_alone(together, sweep, alone)
 
 
+def test_thickness_of_one_grain_follows_a_swept_grain() -> None:
+    grains = [1e-3, 2e-2]
+    sweep = wg.simulate(small().sweep({"rheology.grain_diameter": grains}))
+    for run, d in enumerate(grains):
+        alone = wg.simulate(small(**{"rheology.grain_diameter": d}))
+        np.testing.assert_array_equal(derive(sweep, "gamma").gamma[run], derive(alone, "gamma").gamma[0])
+
+
 def test_the_text_is_parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     data = result(runs=3).assign_attrs(case_toml=CASE + "# another text\n")
     parsed = Mock(wraps=tomllib.loads)

@@ -1,12 +1,12 @@
 """What a key is declared with reaches the JSON schema, `help` and the words of errors."""
 
-import re
 from typing import Any
 
 import pytest
 from pydantic import StrictBool, StrictFloat
 
 from warpgran.case.case import Case
+from warpgran.case.defaults import FOLLOWS
 from warpgran.case.model import Model, declare
 from warpgran.case.sections import KEYS, SECTIONS
 from warpgran.case.sweep_section import Sweep
@@ -47,7 +47,8 @@ def test_a_key_is_all_that_it_was_declared_with() -> None:
     assert Section.__doc__ == "Two keys.\n\nAttributes:\n    thick: Thickness of a layer.\n    on: A switch."
 
 
-def test_a_key_that_follows_another_names_one() -> None:
-    leaders = {key.unset for key in KEYS.values() if re.fullmatch(r"\w+\.\w+", key.unset)}
-    assert leaders
-    assert leaders <= KEYS.keys()
+def test_keys_follow_keys_and_say_which() -> None:
+    for key, (_, leaders) in FOLLOWS.items():
+        assert KEYS[key].default is None
+        assert KEYS[key].unset
+        assert set(leaders) <= KEYS.keys()

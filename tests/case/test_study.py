@@ -3,6 +3,7 @@
 import copy
 import pickle
 import tracemalloc
+from array import array
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -127,6 +128,24 @@ def test_the_identity_of_a_run_is_that_of_its_case(tmp_path: Path) -> None:
     longer = read_study(path, ["sweep.over.slope.angle=[3, 4, 5]"])
     assert longer.identity(0) == study.identity(2)  # whatever its number
     assert len({study.identity(i) for i in range(4)}) == 4
+
+
+def test_a_default_that_follows_a_swept_key_differs_with_it() -> None:
+    d = [1e-3, 2e-3]
+    study = Case().sweep({"rheology.grain_diameter": d})
+    assert study.keys == ("rheology.grain_diameter",)
+    assert study.parameters() == {"rheology.grain_diameter": array("d", d), "scheme.h_min": d}
+    assert [case.h_min for case in study] == d
+    assert Case().with_(**{"scheme.h_min": 1e-3}).sweep({"rheology.grain_diameter": d}).parameters().keys() == {
+        *study.keys
+    }
+    both = Case().sweep({"rheology.grain_diameter": d, "scheme.h_min": [3e-3, 4e-3]}, mode="zip")
+    assert both.parameters()["scheme.h_min"] == array("d", [3e-3, 4e-3])
+    listed = Study.of(list(study))
+    assert (listed.keys, listed.parameters()["scheme.h_min"]) == (study.keys, array("d", d))
+    ends = {"grid.left": [-0.3, -0.4]}
+    assert Case().sweep(ends).parameters()["column.start"] == ends["grid.left"]
+    assert Case().with_(**{"column.profile": {"x": [0, 1], "h": [1, 1]}}).sweep(ends).parameters().keys() == ends.keys()
 
 
 # Run files

@@ -17,6 +17,7 @@ from pydantic import PrivateAttr, StrictStr, ValidationError, model_validator
 
 from warpgran.arrays import Array
 from warpgran.case.between_keys import cross_problems
+from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.model import Model, declare
 from warpgran.case.problems import CaseError, Problem, problems_of
 from warpgran.case.sections import ALLOWED, SECTIONS, Column, Every, Grid, Rheology, Scheme, Slope, Time
@@ -149,7 +150,7 @@ class Case(Model):
     @property
     def h_min(self) -> float:
         """Least thickness in the shear rate, m."""
-        return self.rheology.grain_diameter if self.scheme.h_min is None else self.scheme.h_min
+        return self._value("scheme.h_min")
 
     @property
     def dx(self) -> float:
@@ -223,14 +224,28 @@ class Case(Model):
         """Output times, s, increasing: snapshots, samples and the end. Each is met exactly."""
         return output_times(self.time)
 
+    def _value(self, key: str) -> Any:
+        """The value of a dotted key, or its default if that follows from other keys."""
+        value = self._given(key)
+        return default(key, self._value) if value is None and key in FOLLOWS else value
+
+    @property
+    def following(self) -> list[str]:
+        """The keys with a part in this case whose default, which follows from other keys, is in force."""
+        values = self._in_force()
+        return [key for key in FOLLOWS if self._given(key) is None and values[key] is not None]
+
+    def _given(self, key: str) -> Any:
+        section, _, name = key.partition(".")
+        return getattr(getattr(self, section), name)
+
     def _in_force(self) -> dict[str, Any]:
         """Every value in force by dotted key; None for a key that has no part in this case."""
         values: dict[str, Any] = {"title": self.title}
         for section, model in SECTIONS.items():
             for name, key in model.keys().items():
                 values[f"{section}.{key}"] = getattr(getattr(self, section), name)
-        values["column.start"] = self.column_start
-        values["scheme.h_min"] = self.h_min
+        values |= {key: self._value(key) for key in FOLLOWS}
         for key, times in (("time.snapshots", self.time.snapshots), ("time.series", self.time.series)):
             if isinstance(times, Every):
                 values[key] = Every(every=min(times.every, self.time.end))

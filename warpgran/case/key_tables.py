@@ -9,7 +9,7 @@ from pathlib import Path
 
 from warpgran.case.case import Case
 from warpgran.case.model import KeyInfo
-from warpgran.case.sections import KEYS, SECTIONS
+from warpgran.case.sections import SECTIONS
 from warpgran.case.sweep_section import Sweep
 from warpgran.case.toml import plain, toml_value
 
@@ -45,9 +45,7 @@ _OF_KIND: dict[type | None, str] = {str: "any text", bool: "true or false"}
 
 
 def _default(key: KeyInfo) -> str:
-    if key.default is not None:
-        return f"`{toml_value(plain(key.default))}`"
-    return f"`{key.unset}`" if key.unset in KEYS else key.unset
+    return key.unset if key.default is None else f"`{toml_value(plain(key.default))}`"
 
 
 if __name__ == "__main__":

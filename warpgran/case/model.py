@@ -42,7 +42,7 @@ def declare(
         unit: Unit in the run file, "" for none.
         display: Unit in figures and the factor to it, if not that of the run file.
         allowed: What is allowed, if the type and the bounds gt, ge, lt and le do not say it all.
-        unset: What a default of None stands for: the key whose value is taken, or words.
+        unset: What a default of None stands for, in Markdown.
         options: The bounds, and what else pydantic's Field takes.
     """
     display_unit, factor = display or (unit, 1.0)

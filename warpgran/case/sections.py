@@ -112,7 +112,9 @@ class Column(Model):
     """Length of the rectangle, which must lie in the grid and cover a cell centre."""
     phi: StrictFloat = declare(0.62, "initial fraction", r"\varphi_0", gt=0, lt=1)
     """Solid volume fraction, everywhere."""
-    start: StrictFloat | None = declare(None, "column start", "x_0", unit="m", allowed="in the grid", unset="grid.left")
+    start: StrictFloat | None = declare(
+        None, "column start", "x_0", unit="m", allowed="in the grid", unset="`grid.left`"
+    )
     """Left end of the rectangle."""
     profile: Annotated[ProfileTable | None, PlainValidator(_profile), _TABLE] = declare(
         None, "initial profile", allowed=_PATH, unset="none: a rectangle"
@@ -201,7 +203,7 @@ class Scheme(Model):
     )
     """Coefficients of the stabilization for mass, momentum and volume fraction; zeros turn it off."""
     h_min: StrictFloat | None = declare(
-        None, "least thickness", r"h_\mathrm{min}", unit="m", display=MM, unset="rheology.grain_diameter", gt=0
+        None, "least thickness", r"h_\mathrm{min}", unit="m", display=MM, unset="`rheology.grain_diameter`", gt=0
     )
     """Least thickness in the shear rate, which means nothing below one grain; smaller values hardly change a result."""
     h_bed: StrictFloat = declare(0.0, "bed layer", r"h_\mathrm{bed}", unit="m", display=MM, ge=0)

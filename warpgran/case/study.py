@@ -9,11 +9,15 @@ from array import array
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
+import numpy as np
+
+from warpgran.arrays import Array
+from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.identity import identity
 from warpgran.case.problems import CaseError, Problem
 from warpgran.case.sweep_section import KINDS
 
-if TYPE_CHECKING:  # at run time a study asks of its cases no more than flat, with_, source and folder
+if TYPE_CHECKING:  # at run time a study asks a case for no more than its values
     from warpgran.case.case import Case
 
 
@@ -47,7 +51,9 @@ class Study(Sequence["Case"]):
 
     @classmethod
     def of(cls, cases: Sequence[Case]) -> Study:
-        """A study of given cases, which it keeps. Its keys are those in which they differ and which hold single values.
+        """A study of given cases, which it keeps.
+
+        Its keys are those of single values in which the cases differ, without those that follow another by default.
 
         Raises:
             CaseError: There is no case.
@@ -60,6 +66,8 @@ class Study(Sequence["Case"]):
         differ = [key for key in KINDS if any(flat[key] != flats[0][key] for flat in flats)]
         simple = [key for key in differ if all(flat[key] is not None for flat in flats)]
         study = cls(cases[0], {key: [flat[key] for flat in flats] for key in simple})
+        follow = set(simple).intersection(*(case.following for case in cases))
+        study.keys = tuple(key for key in simple if key not in follow)
         study.given, study._runs = tuple(cases), len(cases)
         return study
 
@@ -87,6 +95,20 @@ class Study(Sequence["Case"]):
             KeyError: The key is not among `keys`.
         """
         return list(self._columns[key])
+
+    def parameters(self) -> dict[str, Sequence[Any]]:
+        """Values by run of the keys in which the runs differ: those of `keys`, and those whose default follows one.
+
+        `scheme.h_min`, say, differs where the grain diameter does, unless it was set.
+        """
+        differ = dict(self._columns)
+        for key in () if self.given else self.base.following:
+            if not self._columns.keys().isdisjoint(FOLLOWS[key][1]):
+                differ[key] = default(key, self._over_runs).tolist()
+        return differ
+
+    def _over_runs(self, key: str) -> Array:
+        return np.asarray(self._columns.get(key, self.base._value(key)))
 
     def identity(self, i: int) -> str:
         """The identity of the case of run i, see the function `identity`."""

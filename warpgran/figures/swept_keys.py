@@ -15,9 +15,10 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 
 from warpgran.analysis.correlation import rank_correlation
+from warpgran.analysis.fields import parameter
 from warpgran.analysis.summary import swept
 from warpgran.arrays import Array
-from warpgran.case.sections import KEYS
+from warpgran.case.defaults import FOLLOWS, default
 from warpgran.figures.names import named
 
 FEW = 6  # values of a key that colours can tell apart
@@ -116,8 +117,10 @@ class Key:
 def varied_keys(data: xr.Dataset) -> list[Key]:
     """The keys in which the runs differ, without those that took their values from another, as their default."""
     found = {name: data[name].values for name in swept(data)}
-    leaders = {name: KEYS[name].unset for name in found if name in KEYS}
-    followers = [a for a, b in leaders.items() if b in found and np.array_equal(found[a], found[b])]
+    defaults = {
+        name: default(name, lambda key: parameter(data, key, np.nan).values) for name in found if name in FOLLOWS
+    }
+    followers = [name for name, values in defaults.items() if np.array_equal(found[name], values)]
     keys = [Key(name, values) for name, values in found.items() if name not in followers]
     return [key for key in keys if key.levels.size > 1]
 

@@ -113,7 +113,8 @@ class Layout:
 
     def parameters(self) -> dict[str, list[Any]]:
         """The keys in which the runs differ, each with its value in every run."""
-        return {key: [values[r] for r in self.runs] for key in self.study.keys if (values := self.study.values(key))}
+        runs = self.runs.tolist()
+        return {key: [values[r] for r in runs] for key, values in self.study.parameters().items()}
 
     def sizes(self) -> dict[str, Array]:
         """The coordinates that number the runs, samples and cells."""
