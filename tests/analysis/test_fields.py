@@ -166,8 +166,8 @@ def test_the_text_is_parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_law_that_is_not_known_is_an_error() -> None:
-    data = result(runs=2).assign_coords({"rheology.phi_eq": ("run", ["f2", "f3"])})
-    with pytest.raises(ResultError, match="the law 'f3' is not known; known: f0, f1, f2"):
+    data = result(runs=2).assign_coords({"rheology.phi_eq": ("run", ["f2", "other"])})
+    with pytest.raises(ResultError, match="the law 'other' is not known; known: f0, f1, f2"):
         derive(data, "mu")
 
 

@@ -103,7 +103,8 @@ def _draw_series(one: xr.Dataset, axes: list[Axes]) -> None:
     for ax, panel in zip(axes, SERIES, strict=True):
         ax.plot(time, panel.factor * one[panel.name].values, color="black", marker=marker)
         _finish(ax, panel, one)
-    _draw_speeds(one, axes[2], marker)
+        if panel.name == "v_flow":
+            _draw_speeds(one, ax, marker)
     stop_time = float(one["stop_time"].item())
     for ax in axes if np.isfinite(stop_time) else []:
         ax.axvline(stop_time, color="tab:red", linestyle=":", label=f"at rest, $t$ = {stop_time:.3g} s")
