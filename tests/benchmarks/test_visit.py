@@ -19,6 +19,8 @@ from warpgran.solve.variant import variant_of
 PROGRAM = BENCHMARKS / "gpu.py"
 COMMAND = [sys.executable, str(PROGRAM), "--device", "cpu", "--quick"]
 
+pytestmark = pytest.mark.slow
+
 
 def found(file: Path) -> dict[str, Any]:
     data: dict[str, Any] = json.loads(file.read_text())

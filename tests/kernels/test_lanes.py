@@ -23,6 +23,9 @@ COMPARED = [(0, "32 lanes"), (0, "64 lanes"), (0, "256 lanes"), (1, "64 lanes"),
 Found = dict[str, np.ndarray]
 
 
+pytestmark = pytest.mark.slow
+
+
 @pytest.fixture(scope="module")
 def found(tmp_path_factory: pytest.TempPathFactory) -> Found:
     file = tmp_path_factory.mktemp("lanes") / "found.npz"
