@@ -22,13 +22,13 @@ from typing import Any, get_args
 
 import numpy as np
 import warp as wp
-from floors import ARCH, Count, counts, table, total
-from one_block import OneBlock
-from report import heading, machine
-from right import CHECKS, correctness
-from stages import stages
-from visit import Visit
-from work import Crews, Moving, Precision, Work, column
+from parts.counts import ARCH, Count, counts, table, total
+from parts.one_block import OneBlock
+from parts.report import heading, machine
+from parts.right import CHECKS, correctness
+from parts.stages import stages
+from parts.visit import Visit
+from parts.work import Crews, Moving, Precision, Work, column
 
 from warpgran.case.case import Case
 from warpgran.files import StorageError

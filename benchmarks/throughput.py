@@ -15,11 +15,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, get_args
 
-from end_to_end import headline, whole_run
-from report import Figures, grid, heading, listed, machine, noise, picture, warn_of_others
-from rivals import NUMBA, NUMPY, rivals
-from stages import divider, stages
-from work import Crews, Precision, Work, measured, median_ratio
+from parts.end_to_end import headline, whole_run
+from parts.report import Figures, grid, heading, listed, machine, noise, picture, warn_of_others
+from parts.rivals import NUMBA, NUMPY, rivals
+from parts.stages import divider, stages
+from parts.work import Crews, Precision, Work, measured, median_ratio
 
 from warpgran.solve.device import start_quietly
 

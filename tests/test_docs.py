@@ -1,17 +1,57 @@
-"""The documents that repeat what the code says: they must say the same."""
+"""What documents and docstrings say of the code: the same as the code says, and of things that are there."""
 
 from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
-from helpers.places import DOCS, ROOT
+from helpers.places import DOCS, ROOT, TESTS
 
+import warpgran as wg
 from warpgran.case.key_tables import with_tables
 from warpgran.paper.catalogue import CLAIMS
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+FOLDERS = ("warpgran", "kernels", "tests", "benchmarks", "docs", "runs")
+DOCUMENTS = [*ROOT.glob("*.md"), *DOCS.glob("*.md"), ROOT / "benchmarks" / "README.md"]
+SOURCES = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")]
+
+
+def found(pattern: str, paths: list[Path]) -> Iterator[tuple[str, str]]:
+    """Each match of a pattern, with the name of the file that it is in."""
+    for path in paths:
+        for match in re.findall(pattern, path.read_text(encoding="utf-8")):
+            yield path.relative_to(ROOT).as_posix(), match
+
+
+def test_links_lead_to_files() -> None:
+    links = list(found(r"\]\((?!http)([^)#]+)[^)]*\)", DOCUMENTS))
+    assert len(links) > 20
+    assert [(file, link) for file, link in links if not (ROOT / file).parent.joinpath(link).exists()] == []
+
+
+def test_files_that_are_named_are_there() -> None:
+    paths = list(found(rf"(?<![\w/.*])((?:{'|'.join(FOLDERS)})/[\w/.]*\w)(?![\w*{{])", DOCUMENTS + SOURCES))
+    assert len(paths) > 20
+    assert [(file, path) for file, path in paths if not (ROOT / path).exists()] == []
+
+
+def test_public_names_are_there() -> None:
+    names = list(found(r"\bwg\.([a-zA-Z_]\w+)", DOCUMENTS + [path for path in SOURCES if TESTS not in path.parents]))
+    assert len(names) > 20
+    assert [(file, name) for file, name in names if not hasattr(wg, name)] == []
+
+
+def test_modules_that_are_named_are_there() -> None:
+    names = list(found(r"(?<![\w/.])(warpgran(?:\.[a-z]\w*)+)\b(?!/)", DOCUMENTS))
+    assert ("benchmarks/README.md", "warpgran.solve.blocks.plan") in names
+    for _, name in names:
+        resolve_name(name)
 
 
 def test_the_tables_of_keys_are_those_of_the_code() -> None:

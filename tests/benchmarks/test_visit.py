@@ -19,6 +19,8 @@ from warpgran.solve.variant import variant_of
 PROGRAM = BENCHMARKS / "gpu.py"
 COMMAND = [sys.executable, str(PROGRAM), "--device", "cpu", "--quick"]
 
+pytestmark = pytest.mark.slow
+
 
 def found(file: Path) -> dict[str, Any]:
     data: dict[str, Any] = json.loads(file.read_text())
@@ -46,7 +48,7 @@ def test_the_counts_are_of_the_kernels() -> None:
     """Updating three numbers takes seven arrays and three; a division is one that the compiler did not take away."""
     sys.path.insert(0, str(PROGRAM.parent))
     try:
-        from floors import counts, total
+        from parts.counts import counts, total
 
         of = counts(variant_of(Case(), "float64"))
     finally:

@@ -238,6 +238,7 @@ def test_debug_shows_the_traceback(folder: Path) -> None:
 LONG = QUICK.replace("end = 0.2", "end = 100000.0").replace("every = 0.05 }", "every = 1.0 }\nseries = []")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="sends a POSIX signal")
 def test_an_interrupted_run_keeps_what_it_had(folder: Path) -> None:
     (folder / "long.toml").write_text(LONG)

@@ -61,6 +61,7 @@ def crosses(ax: Axes) -> np.ndarray:
     return np.concatenate([np.asarray(line.get_xydata()) for line in ax.lines if line.get_marker() == "x"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("data", [grid(), sample(60, 4, diverged=(7,)), sample(2), sample(60, 6)])
 def test_page_is_180_mm_wide_fits_a_sheet_and_clips_nothing(tmp_path: Path, data: xr.Dataset) -> None:
     with Image.open(plot(data, tmp_path / "page.png")) as picture:
@@ -254,6 +255,7 @@ def test_cells_of_the_map_lie_around_their_values() -> None:
     assert letters(figure)["(j)"].get_xscale() == "log"
 
 
+@pytest.mark.slow
 def test_ten_thousand_runs_are_drawn_as_pixels(tmp_path: Path) -> None:
     path = plot(sample(10_000, 2, samples=60, diverged=tuple(range(0, 10_000, 50))), tmp_path / "p.pdf")
     assert path.stat().st_size < 2_000_000

@@ -26,7 +26,7 @@ precision.CAREFUL += " -ffp-contract=on"
 sys.path.insert(0, str(Path(__file__).parent.parent))
 sys.path.insert(0, str(Path(__file__).parent.parent.parent / "benchmarks"))
 
-from one_block import OneBlock  # noqa: E402
+from parts.one_block import OneBlock  # noqa: E402
 
 from helpers.cases import small  # noqa: E402
 from warpgran.case.case import Case  # noqa: E402

@@ -40,6 +40,7 @@ def test_the_variants_have_every_choice_of_every_option() -> None:
             assert {getattr(each, name) for each in made} == set(get_args(kind) or (True, False)), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("arch", "precision", "number"), TARGETS)
 def test_every_kernel_compiles_for_cuda(arch: int, precision: str, number: int, tmp_path: Path) -> None:
     stages = build(variant(precision, VARIANTS[number]), many_lanes=True)

@@ -18,9 +18,13 @@ from warpgran.solve.state import padded_cells
 from warpgran.solve.variant import variant_of
 
 COMPARED = [(0, "32 lanes"), (0, "64 lanes"), (0, "256 lanes"), (1, "64 lanes"), (2, "64 lanes"), (0, "one block")]
-"""Ways of tests/lanes.py, and what is compared with their plain loops; one block: benchmarks/one_block.py."""
+"""Ways of tests/helpers/lanes.py, and the shapes compared with their plain loops; for one block see
+benchmarks/parts/one_block.py."""
 
 Found = dict[str, np.ndarray]
+
+
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

@@ -317,6 +317,7 @@ def warpgran(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["reproduce", *arguments])
 
 
+@pytest.mark.slow
 def test_a_figure_from_end_to_end(tmp_path: Path) -> None:
     out = tmp_path / "out"
     result = warpgran("fig07", "-o", str(out), "--set", "grid.cells=60")

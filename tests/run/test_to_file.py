@@ -9,6 +9,8 @@ import resource
 import signal
 import subprocess
 import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +25,7 @@ from warpgran.case.study import Study
 from warpgran.files import StorageError
 from warpgran.results.merging import merge
 from warpgran.results.part_file import part_of
+from warpgran.results.reading import reading
 from warpgran.run import threads
 from warpgran.run.options import Options
 from warpgran.run.to_file import run_to_file
@@ -51,6 +54,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     return done(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", [1, 2, 5])
 @pytest.mark.parametrize("cache", [1, 10**5, 10**9])
 def test_blocks_and_threads_change_no_bit(
@@ -102,6 +106,8 @@ def test_an_interrupted_study_goes_on(tmp_path: Path, whole: xr.Dataset) -> None
 
 RUN = """
 import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 sys.path.insert(0, {tests!r})
 from run.test_to_file import Options, run_to_file, study
@@ -111,19 +117,28 @@ run_to_file(study(**{changes!r}), Path({path!r}), Options(threads=2), resume=Tru
 SLOW = {"grid.cells": 800}
 
 
+def stored(path: Path) -> int:
+    """Runs that are done in the part file; 0 where there is none (any more)."""
+    with suppress(OSError), reading(part_of(path)) as file:
+        return int((file["status"][:] == Status.OK).sum())
+    return 0
+
+
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="sends a POSIX signal")
 def test_killed_again_and_again_it_loses_nothing(tmp_path: Path) -> None:
     path = tmp_path / "out.h5"
     run_to_file(study(**SLOW), tmp_path / "whole.h5", Options())
     code = RUN.format(tests=str(TESTS), changes=SLOW, path=str(path))
-    rng, counts = random.Random(3), []
-    for attempt in range(10):
+    rng = random.Random(3)
+    counts: list[int] = []
+    for attempt in range(6):
+        enough = (counts[-1] if counts else 0) + rng.randrange(4)
         with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
             assert process.stdout is not None and process.stdout.readline()
-            try:
-                process.wait(timeout=rng.uniform(0.0, 0.4) if attempt < 9 else None)
-            except subprocess.TimeoutExpired:
-                process.kill()
+            while process.poll() is None and (attempt == 5 or stored(path) < enough):
+                time.sleep(0.005)
+            process.kill()
         code_ = process.returncode
         file = path if path.exists() else part_of(path)
         if not file.exists():
@@ -253,6 +268,7 @@ def test_a_full_disk_is_told_and_the_file_can_go_on(
     xr.testing.assert_identical(done(path), whole)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="limits the size of files by a POSIX call")
 def test_no_room_to_begin_leaves_nothing(tmp_path: Path) -> None:
     code = RUN.format(tests=str(TESTS), changes={}, path=str(tmp_path / "out.h5"))

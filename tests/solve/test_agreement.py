@@ -43,6 +43,7 @@ def recorded(done: Ran) -> np.ndarray:
     return np.stack((done.h, done.v, done.phi))
 
 
+@pytest.mark.slow
 def test_whole_collapse_agrees_with_numpy(collapse: Case, device: str) -> None:
     kernels, reference = (ran(engine, collapse, [0.1, 0.3]) for engine in (device, "numpy"))
     assert kernels.steps == reference.steps
@@ -92,6 +93,7 @@ TABLE: list[tuple[str, float, dict[str, Any], list[tuple[float, int | None, str]
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", EVERY_ENGINE)
 @pytest.mark.parametrize(("angle", "changes", "rows"), [row[1:] for row in TABLE], ids=[row[0] for row in TABLE])
 def test_numbers_of_an_independent_implementation(

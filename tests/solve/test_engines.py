@@ -76,6 +76,7 @@ def test_the_step_limit_ends_a_run(engine: str) -> None:
     assert np.isnan(done.h[1]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", EVERY_ENGINE)
 def test_a_run_at_rest_may_end_and_repeats_its_last_state(engine: str) -> None:
     case = small(**{"slope.angle": 0.0})

@@ -50,6 +50,7 @@ def test_a_moved_state_gives_the_moved_result_to_the_bit(engine: str, angle: flo
     np.testing.assert_array_equal(np.roll(fields(here), shift, axis=-1), fields(there))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("bed", [False, True])
 def test_no_mass_is_lost_on_the_way_around(engine: str, bed: bool) -> None:

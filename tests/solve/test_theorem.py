@@ -96,6 +96,7 @@ def test_thickness_stays_nonnegative(engine: str, seed: int) -> None:  # (iv)
         assert ran(engine, case, [t]).U[[0, 2]].min() >= 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("viscosity", [0.0, 3.0])
 @pytest.mark.parametrize("alpha", [1.5, 2.0])
 def test_constant_phi_stays_constant(engine: str, alpha: float, viscosity: float) -> None:  # (vii)

@@ -38,6 +38,7 @@ def assert_sound(findings: Findings) -> None:
     assert not files, "\n\n".join(list(files.values())[:3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("scale", SCALES)
 def test_any_run_that_is_accepted_is_sound(scale: float, precision: Precision) -> None:
@@ -50,6 +51,7 @@ def test_any_run_that_is_accepted_is_sound(scale: float, precision: Precision) -
     assert findings.speed > 0.3  # something moved, and what is compared is near
 
 
+@pytest.mark.slow
 @given(
     point=st.tuples(*[st.floats(0.0, 1.0, exclude_max=True, allow_subnormal=False)] * len(AXES)),
     scale=st.sampled_from(SCALES),

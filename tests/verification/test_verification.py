@@ -24,6 +24,7 @@ DOCUMENT = DOCS / "verification.md"
 LIMITS = ("convergence", "columns")  # which have no coarse grids here, and tests of their own
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in collection.CASES if name not in LIMITS])
 def test_holds_on_coarse_grids(name: str) -> None:
     outcome = collection.run({name: collection.CASES[name]}, COARSE)[name]

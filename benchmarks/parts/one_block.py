@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import warp as wp
-from stages import launches
+from parts.stages import launches
 
 from warpgran.kernels.precision import CAREFUL, module
 from warpgran.solve.solver import Solver

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from work import Array, Round, Work, column
+from parts.work import Array, Round, Work, column
 
 from warpgran.case.study import Study
 from warpgran.results.in_memory import MemoryResults

@@ -10,7 +10,7 @@ from unittest import mock
 
 import numpy as np
 import warp as wp
-from work import Moving, Round
+from parts.work import Moving, Round
 
 REPEATS = 200
 IN_CACHE = 8192

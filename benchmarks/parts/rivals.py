@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from work import Array, Crews, Moving, Round, Work
+from parts.work import Array, Crews, Moving, Round, Work
 
 from warpgran.physics.reference import Reference
 
@@ -66,7 +66,7 @@ def _after(moving: Moving) -> Array:
 def _numba(case: Any, U: Array) -> Any:
     """The run in numba; None where numba is not installed."""
     try:
-        from numba_version import NumbaRun
+        from parts.numba_version import NumbaRun
     except ImportError:
         return None
     return NumbaRun(case, U)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
-from work import Work, median_ratio, middle_half
+from parts.work import Work, median_ratio, middle_half
 
 Key = TypeVar("Key")
 Figures = Mapping[Work, list[float]]

@@ -6,9 +6,9 @@ import time
 from typing import get_args
 
 import numpy as np
-from report import heading
-from visit import Visit
-from work import Precision, column
+from parts.report import heading
+from parts.visit import Visit
+from parts.work import Precision, column
 
 from warpgran.case.case import Case
 from warpgran.solve.engines import run_kernels, run_reference
