@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 SCHEMES: dict[int, type[Run]] = {1: FirstOrder, 2: SecondOrder}
 """By their order."""
 
+
 def reference(case: Case) -> Run:
     """A run of a case at its initial state."""
     return SCHEMES[case.scheme.order](case)
