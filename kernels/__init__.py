@@ -11,9 +11,10 @@ dry granular flows with a compressible mu(I) rheology"; numbers in brackets are 
     gamma = 5|v|/(2 h_e)  (2.15)      I = gamma d/sqrt(phi g_c h_e)  (2.10), (2.11)      h_e = max(h, h_min)
 
 with g_c = g cos(theta), bhat = b - x tan(theta), and the state U0 = phi h [m], U1 = phi h v [m2/s], U2 = phi^alpha h
-[m]. The steps of the scheme, in order, and the names of its arrays:
+[m]. Two schemes solve it; their pages have the steps, in order, and what their arrays hold:
 
     first/          order 1, the scheme of the paper
+    second/         order 2
 
 What both share:
 
@@ -23,6 +24,7 @@ What both share:
     clock.py        time of each run, its window, the end of the loop
     ranges.py       which cells a thread visits
     lanes.py        what the lanes of a block find together
+    ghosts.py       periodic ends
     precision.py    types, parameters of a run, compile options, variants
     stages.py       a scheme as lists of launches
     build.py        the stages of a variant: start reading the code here

@@ -1,11 +1,36 @@
 """The stages of a variant, built once."""
 
 import functools
+from typing import Any, NamedTuple
 
-from warpgran.kernels import clock, first, lanes, record, timestep
+from warpgran.kernels import clock, first, lanes, record, second, timestep
 from warpgran.kernels.first import stages as first_stages
 from warpgran.kernels.precision import CAREFUL, FAST, Variant, module, precision
+from warpgran.kernels.second import stages as second_stages
 from warpgran.kernels.stages import Careful, Stages
+
+
+class SchemeKernels(NamedTuple):
+    """What a scheme is made of.
+
+    Attributes:
+        arrays: Names of its arrays of cells and interfaces.
+        empty: Empty cells that a window has at each end before a step.
+        flags: Compile options beside the usual.
+        make: Its stages, for a variant.
+    """
+
+    arrays: tuple[str, ...]
+    empty: int
+    flags: str
+    make: Any
+
+
+SCHEMES = {
+    1: SchemeKernels(first.ARRAYS, first.EMPTY, "", first_stages.make),
+    2: SchemeKernels(second.ARRAYS, second.EMPTY, second.FLAGS, second_stages.make),
+}
+"""By their order."""
 
 
 @functools.cache
@@ -16,9 +41,10 @@ def build(variant: Variant, many_lanes: bool = False) -> Stages:
         variant: What is compiled in.
         many_lanes: Whether they are for blocks of more than one lane, as on a GPU.
     """
-    fast = module(_named(variant.name, many_lanes), FAST)
-    careful = _careful(variant.precision, first.EMPTY, many_lanes)
-    return first_stages.make(variant, careful, lanes.make(many_lanes), fast)
+    scheme = SCHEMES[variant.order]
+    fast = module(_named(variant.name, many_lanes), FAST + scheme.flags)
+    careful = _careful(variant.precision, scheme.empty, many_lanes)
+    return scheme.make(variant, careful, lanes.make(many_lanes), fast)
 
 
 @functools.cache

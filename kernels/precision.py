@@ -103,6 +103,7 @@ class Variant:
     No field has a default, so that whoever makes a variant cannot leave out a choice.
 
     Attributes:
+        order: Scheme, by its order.
         precision: Floating-point precision.
         alpha_two: alpha = 2, so that x^(alpha - 1) is x.
         lambda_zero: lambda = 0, so that the head correction vanishes.
@@ -112,6 +113,7 @@ class Variant:
         periodic: Whether the two ends are one interface.
     """
 
+    order: Literal[1, 2]
     precision: Literal["float64", "float32"]
     alpha_two: bool
     lambda_zero: bool
@@ -122,9 +124,9 @@ class Variant:
 
     @property
     def name(self) -> str:
-        """A name for the compiled module: every word, and the name of every field that is true."""
+        """A name for the compiled module: every word or number, and the name of every field that is true."""
         values = ((field.name, getattr(self, field.name)) for field in fields(self))
-        return "_".join(["warpgran", *(name if value is True else value for name, value in values if value)])
+        return "_".join(["warpgran", *(name if value is True else str(value) for name, value in values if value)])
 
 
 def module(name: str, flags: str) -> Any:

@@ -61,7 +61,9 @@ def test_kernels_import_warp_alone() -> None:
         assert imports(path, typing_too=True) <= allowed, path.name
 
 
-@pytest.mark.parametrize("judge", ["arrays", "physics/laws", "physics/reference", "verification/exact"])
+@pytest.mark.parametrize(
+    "judge", ["arrays", "physics/laws", "physics/reference", "physics/second_order", "verification/exact"]
+)
 def test_what_judges_imports_numpy_alone(judge: str) -> None:
     allowed = {"__future__", "collections", "dataclasses", "typing", "numpy", "warpgran.arrays", "warpgran.physics"}
     assert imports(ROOT / "warpgran" / f"{judge}.py") <= allowed

@@ -300,7 +300,7 @@ class NumbaRun:
     """One run of a case of the default variant, from a given state.
 
     Attributes:
-        U: state (3, cells), as `warpgran.reference.Reference` has it.
+        U: state (3, cells), as `warpgran.physics.first_order.FirstOrder` has it.
     """
 
     def __init__(self, case: Case, U: Array) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from parts.work import Array, Crews, Moving, Round, Work
 
-from warpgran.physics.reference import Reference
+from warpgran.physics.reference import reference
 
 STEPS = 100
 CHECKED = 50
@@ -31,7 +31,7 @@ def rivals(crews: Crews, cells: int) -> dict[str, Round]:
     moving = crews.of(full)[0]
     moving.put_back()
     case, U = full.case, moving.U
-    run = Reference(case)
+    run = reference(case)
     run.U = U
     for _ in range(CHECKED):
         run.step()

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import warp as wp
 
-from warpgran.kernels.first.rheology import Rheology
+from warpgran.kernels.first.rheology import FirstRheology
 from warpgran.kernels.laws import Laws
 from warpgran.kernels.precision import DRY, Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, first_of, run_of
@@ -17,7 +17,7 @@ class Decode(NamedTuple):
     fill: Any
 
 
-def make(variant: Variant, laws: Laws, rheology: Rheology, module: Any) -> Decode:
+def make(variant: Variant, laws: Laws, rheology: FirstRheology, module: Any) -> Decode:
     """The kernels of a variant."""
     kinds = precision(variant.precision)
     Real, A, Params = kinds.Real, kinds.Array, kinds.Params

@@ -10,7 +10,7 @@ from warpgran.kernels.precision import DRY, Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 
 
-class Drive(NamedTuple):
+class FirstDrive(NamedTuple):
     """The kernel of this file, and its functions."""
 
     drive: Any
@@ -18,7 +18,7 @@ class Drive(NamedTuple):
     viscosity_bound: Any
 
 
-def make(variant: Variant, laws: Laws, lanes: Lanes, module: Any) -> Drive:
+def make(variant: Variant, laws: Laws, lanes: Lanes, module: Any) -> FirstDrive:
     """The kernel of a variant."""
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
@@ -76,4 +76,4 @@ def make(variant: Variant, laws: Laws, lanes: Lanes, module: Any) -> Drive:
             wp.atomic_max(max_speed, run, speed)
             wp.atomic_max(max_viscosity, run, viscosity)
 
-    return Drive(drive, at_face, viscosity_bound)
+    return FirstDrive(drive, at_face, viscosity_bound)

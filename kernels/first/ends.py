@@ -1,18 +1,18 @@
 """The two ends of the grid: ghost cells, one thread a run.
 
-A wall mirrors the cell at the end, an open end copies it. Periodic ends are one and the same interface: each ghost cell
-is a copy of the cell at the other end, so that both are computed from the same numbers, to the same bits. The state U
-of the right ghost cell is computed with the others and means nothing: what is read of it is wrapped first.
+A wall mirrors the cell at the end, an open end copies it; periodic ends: ../ghosts.py. There the state U of the right
+ghost cell is computed with the others and means nothing: what is read of it is wrapped first.
 """
 
 from typing import Any, NamedTuple
 
 import warp as wp
 
+from warpgran.kernels.ghosts import make_wrap
 from warpgran.kernels.precision import Ints, Variant, precision
 
 
-class Ends(NamedTuple):
+class FirstEnds(NamedTuple):
     """The kernels of this file by what they follow; None where there is nothing to do."""
 
     after_decode: Any
@@ -20,12 +20,12 @@ class Ends(NamedTuple):
     after_relax: Any
 
 
-def make(variant: Variant, module: Any) -> Ends:
+def make(variant: Variant, module: Any) -> FirstEnds:
     """The kernels of a variant."""
     return (_periodic if variant.periodic else _apart)(variant, module)
 
 
-def _apart(variant: Variant, module: Any) -> Ends:
+def _apart(variant: Variant, module: Any) -> FirstEnds:
     """Walls and open ends."""
     kinds = precision(variant.precision)
     Real, A, Params = kinds.Real, kinds.Array, kinds.Params
@@ -56,19 +56,14 @@ def _apart(variant: Variant, module: Any) -> Ends:
             set_ghost(h, v, phi, mu, per_mass, celerity, p.row - 1, p.row, p.v_left)
             set_ghost(h, v, phi, mu, per_mass, celerity, p.row + p.cells, p.row + p.cells - 1, p.v_right)
 
-    return Ends(None, after_fill, None)
+    return FirstEnds(None, after_fill, None)
 
 
-def _periodic(variant: Variant, module: Any) -> Ends:
+def _periodic(variant: Variant, module: Any) -> FirstEnds:
     """Periodic ends."""
     kinds = precision(variant.precision)
-    A, RunParams, Params = kinds.Array, kinds.RunParams, kinds.Params
-
-    @wp.func
-    def wrap(a: A, p: RunParams):
-        """Set the ghost cells of a run."""
-        a[p.row - 1] = a[p.row + p.cells - 1]
-        a[p.row + p.cells] = a[p.row]
+    A, Params = kinds.Array, kinds.Params
+    wrap = make_wrap(kinds)
 
     @wp.kernel(module=module)
     def after_decode(
@@ -121,4 +116,4 @@ def _periodic(variant: Variant, module: Any) -> Ends:
             wrap(W2, p)
             wrap(c, p)
 
-    return Ends(after_decode, after_fill, after_relax)
+    return FirstEnds(after_decode, after_fill, after_relax)

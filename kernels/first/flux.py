@@ -9,7 +9,7 @@ from warpgran.kernels.precision import Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 
 
-class Flux(NamedTuple):
+class FirstFlux(NamedTuple):
     """The kernel of this file and its functions; those that stand twice as (plain, with one division)."""
 
     flux: Any
@@ -19,7 +19,7 @@ class Flux(NamedTuple):
     source: Any
 
 
-def make(variant: Variant, laws: Laws, module: Any) -> Flux:
+def make(variant: Variant, laws: Laws, module: Any) -> FirstFlux:
     """The kernel of a variant."""
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
@@ -136,7 +136,7 @@ def make(variant: Variant, laws: Laws, module: Any) -> Flux:
         # outputs
         F0: A, F1_l: A, F1_r: A, F2: A,
     ):  # fmt: skip
-        """Flux through each interface, its momentum as the cells on the left and on the right see it."""
+        """FirstFlux through each interface, its momentum as the cells on the left and on the right see it."""
         thread = wp.tid()
         run = run_of(thread, chunks)
         p = params[run]
@@ -168,4 +168,4 @@ def make(variant: Variant, laws: Laws, module: Any) -> Flux:
             F2[i] = mass * power(wp.where(rising == (mass >= Real(0.0)), phi_star[i], phi_u), p)
             left += wp.block_dim()
 
-    return Flux(flux, suliciu, speeds, between, source)
+    return FirstFlux(flux, suliciu, speeds, between, source)

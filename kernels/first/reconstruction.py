@@ -9,7 +9,7 @@ from warpgran.kernels.precision import Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 
 
-class Reconstruction(NamedTuple):
+class FirstReconstruction(NamedTuple):
     """The kernel of this file, and its functions."""
 
     reconstruct: Any
@@ -18,7 +18,7 @@ class Reconstruction(NamedTuple):
     climb: Any
 
 
-def make(variant: Variant, laws: Laws, module: Any) -> Reconstruction:
+def make(variant: Variant, laws: Laws, module: Any) -> FirstReconstruction:
     """The kernel of a variant."""
     kinds = precision(variant.precision)
     Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
@@ -101,4 +101,4 @@ def make(variant: Variant, laws: Laws, module: Any) -> Reconstruction:
             iota[i] = wp.max(v_f[i] * jump, Real(0.0))
             left += wp.block_dim()
 
-    return Reconstruction(reconstruct, apparent_slope, reconstructed, climb)
+    return FirstReconstruction(reconstruct, apparent_slope, reconstructed, climb)

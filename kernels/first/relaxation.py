@@ -4,7 +4,7 @@ from typing import Any
 
 import warp as wp
 
-from warpgran.kernels.first.rheology import Rheology
+from warpgran.kernels.first.rheology import FirstRheology
 from warpgran.kernels.laws import Laws
 from warpgran.kernels.precision import DRY, Ints, Variant, precision
 from warpgran.kernels.ranges import end_of, first_of, run_of
@@ -14,7 +14,7 @@ NOTHING = 1e-30
 far above what would underflow."""
 
 
-def make(variant: Variant, laws: Laws, rheology: Rheology, module: Any) -> Any:
+def make(variant: Variant, laws: Laws, rheology: FirstRheology, module: Any) -> Any:
     """The kernel of a variant."""
     kinds = precision(variant.precision)
     Real, A, Params = kinds.Real, kinds.Array, kinds.Params

@@ -1,4 +1,4 @@
-"""Rheology of a state in order 1: from U to h, phi and friction, and the relaxation of phi.
+"""FirstRheology of a state in order 1: from U to h, phi and friction, and the relaxation of phi.
 
 Each function comes twice: plainly, and with all that it divides by in a single division, see kernels/laws.py.
 """
@@ -11,7 +11,7 @@ from warpgran.kernels.laws import Laws
 from warpgran.kernels.precision import Variant, precision
 
 
-class Rheology(NamedTuple):
+class FirstRheology(NamedTuple):
     """Functions of one variant, see each below; `properties` and `relaxed` are the forms that the kernels call."""
 
     properties: Any
@@ -20,7 +20,7 @@ class Rheology(NamedTuple):
     by_one: tuple[Any, Any]
 
 
-def make(variant: Variant, laws: Laws) -> Rheology:
+def make(variant: Variant, laws: Laws) -> FirstRheology:
     """The functions of a variant."""
     kinds = precision(variant.precision)
     Real, RunParams = kinds.Real, kinds.RunParams
@@ -126,4 +126,4 @@ def make(variant: Variant, laws: Laws) -> Rheology:
 
     plain, by_one = (properties, relaxed), (properties_by_one, relaxed_by_one)
     used = by_one if variant.alpha_two and variant.precision == "float64" else plain
-    return Rheology(*used, plain, by_one)
+    return FirstRheology(*used, plain, by_one)

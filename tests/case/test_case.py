@@ -58,6 +58,7 @@ def test_defaults_are_the_papers_table_1_and_the_schemes() -> None:
         "scheme.left": "wall",
         "scheme.right": "open",
         "scheme.window": True,
+        "scheme.order": 1,
     }
 
 

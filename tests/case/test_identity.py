@@ -63,10 +63,18 @@ def test_every_key_but_two_is_part_of_the_identity() -> None:
         int: lambda value: value - 1,
         bool: lambda value: not value,
     }
-    words = {"phi_eq": "f0", "relaxation": "exponential", "viscosity": "paper", "left": "open", "right": "wall"}
+    words = {
+        "order": 2,
+        "phi_eq": "f0",
+        "relaxation": "exponential",
+        "viscosity": "paper",
+        "left": "open",
+        "right": "wall",
+    }
     for key, kind in KINDS.items():
         value = Case().flat()[key]
-        other = words[key.rpartition(".")[2]] if kind is str else others[kind](value)
+        name = key.rpartition(".")[2]
+        other = words[name] if kind is str or name == "order" else others[kind](value)
         if key == "column.start":
             other = 0.1
         same = identity(Case().with_(**{key: other})) == identity(Case())

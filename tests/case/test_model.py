@@ -13,7 +13,7 @@ from warpgran.case.sweep_section import Sweep
 
 SCHEMAS = {name: Case.model_json_schema()["$defs"][model.__name__] for name, model in SECTIONS.items()}
 SCHEMAS["sweep"] = Sweep.model_json_schema()
-BOUNDS = {"minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"}
+BOUNDS = {"enum", "minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"}
 
 
 class Section(Model):

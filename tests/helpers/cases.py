@@ -11,7 +11,7 @@ import pytest
 import warp as wp
 
 from warpgran.case.case import Case
-from warpgran.physics.reference import Reference
+from warpgran.physics.reference import reference
 from warpgran.schema import Status
 from warpgran.solve.engines import run_kernels, run_reference
 from warpgran.solve.finished import SCALARS, Failure
@@ -139,7 +139,7 @@ def ran(engine: str, case: Case, times: Sequence[float] | None = None, precision
         U = np.stack([solver.state.of_run(u, 0) for u in solver.state.U]).astype(float)
     else:
         finished = run_reference([case], lambda t: True)
-        run = Reference(case)
+        run = reference(case)
         with np.errstate(all="ignore"):
             for t in case.output_times:
                 run.advance(t)

@@ -14,7 +14,8 @@ from warpgran.kernels import laws as laws_of
 from warpgran.kernels.first import decode, drive, flux, reconstruction, rheology, viscosity
 from warpgran.kernels.precision import FAST, module, precision
 from warpgran.kernels.stages import Over, launches
-from warpgran.physics import laws, reference
+from warpgran.physics import first_order, laws
+from warpgran.physics.state import Fields
 from warpgran.solve.finished import fault
 from warpgran.solve.solver import Solver
 
@@ -79,10 +80,10 @@ def test_rheology_of_a_state_is_that_of_the_reference(changes: dict[str, Any], f
     close(per_U0, 1.0 / U[0], precision_name)
     close(phi, PHI, precision_name)
     close(h, H, precision_name)
-    close(mu, reference.friction(reference.Fields(H, V, PHI), case), precision_name)
+    close(mu, first_order.friction(Fields(H, V, PHI), case), precision_name)
     per_U0, phi = call(relaxed, *U, 1e-3, returns=2)
     close(per_U0, 1.0 / U[0], precision_name)
-    close(phi * U[0], reference.relax(np.stack(U), 1e-3, case)[2], precision_name)
+    close(phi * U[0], first_order.relax(np.stack(U), 1e-3, case)[2], precision_name)
 
 
 def test_rheology_of_any_alpha() -> None:
@@ -92,7 +93,7 @@ def test_rheology_of_any_alpha() -> None:
     _, phi, h, mu = call(of.properties, *state(1.5), returns=4)
     close(phi, PHI)
     close(h, H)
-    close(mu, reference.friction(reference.Fields(H, V, PHI), case))
+    close(mu, first_order.friction(Fields(H, V, PHI), case))
 
 
 def test_dry_cells_get_their_friction_from_the_laws(device: str) -> None:
@@ -163,7 +164,7 @@ def test_reconstruction_is_that_of_the_reference(alpha: float) -> None:
     (h, _), _, (phi, phi_over) = sides()
     z = RNG.uniform(0.0, 0.2, h.size)
     found = call(of.reconstructed, h, phi, laws.quotient(np.ones_like(h), phi * h), phi_over, z, returns=2)
-    h_star, phi_star = reference.reconstruct(h, phi, phi_over, z, np.full(h.shape, True), alpha)
+    h_star, phi_star = first_order.reconstruct(h, phi, phi_over, z, np.full(h.shape, True), alpha)
     close(found[0], h_star)
     close(np.where(h > 0.0, found[1], 0.0), np.where(h > 0.0, phi_star, 0.0))
     flat = call(of.reconstructed, h, phi, laws.quotient(np.ones_like(h), phi * h), phi, 0.0, returns=2)
@@ -194,7 +195,7 @@ def suliciu_sides(case: Case) -> tuple[np.ndarray, ...]:
     return *left, *right
 
 
-def solver_of(call: Caller) -> flux.Flux:
+def solver_of(call: Caller) -> flux.FirstFlux:
     return flux.make(call.variant, laws_of.make(call.variant), call.module)
 
 
@@ -204,7 +205,7 @@ def test_suliciu_flux_is_that_of_the_reference(precision_name: str) -> None:
     call = Caller(case, precision_name)
     F0, F1 = call(solver_of(call).suliciu, *suliciu_sides(case), returns=2)
     h, v, phi = sides()
-    expected = reference.suliciu(h, v, phi, case)
+    expected = first_order.suliciu(h, v, phi, case)
     close(F0, expected[0], precision_name)
     close(F1, expected[1], precision_name)
 

@@ -13,7 +13,7 @@ from helpers.cases import at_centres, drawn, small
 from warpgran.case.case import Case
 from warpgran.kernels import clock, precision, record
 from warpgran.kernels.first import ARRAYS
-from warpgran.physics import laws, reference
+from warpgran.physics import first_order, laws, state
 from warpgran.schema import Status
 from warpgran.solve import finished
 from warpgran.solve.schedule import Outputs
@@ -27,7 +27,7 @@ ENDS = ("scheme.left", "scheme.right")
 def test_constants_of_the_kernels_are_those_of_the_python_side() -> None:
     """The engines are used without Warp too, so both sides write them down."""
     assert record.SCALARS == finished.SCALARS
-    assert precision.DRY == reference.DRY
+    assert precision.DRY == state.DRY
     for name in ("OK", "DIVERGED", "STEP_LIMIT", "AT_REST"):
         assert getattr(clock, name) == Status[name]
 
@@ -50,29 +50,29 @@ def rough_case(**changes: Any) -> Case:
 
 
 def expected_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
-    """What every array of a step holds after step number `steps` of the reference."""
-    run = reference.Reference(case)
+    """What every array of a step holds after step number `steps` of the first_order."""
+    run = first_order.FirstOrder(case)
     for _ in range(steps - 1):
         run.step()
     fields = run.fields
     periodic = case.scheme.periodic
-    h, v, phi = (reference.with_ghosts(field, periodic=periodic) for field in fields)
-    mu = reference.friction(fields, case)
-    mu_l, mu_r = reference.with_ghosts(mu, periodic=periodic)
+    h, v, phi = (state.with_ghosts(field, periodic=periodic) for field in fields)
+    mu = first_order.friction(fields, case)
+    mu_l, mu_r = state.with_ghosts(mu, periodic=periodic)
     mu_f = 0.5 * (mu_l + mu_r)
     rho = phi[0] * h[0], phi[1] * h[1]
     v_f = laws.quotient(rho[0] * v[0] + rho[1] * v[1], rho[0] + rho[1])
     before = run.U
     dt = run.step()
-    Dz = reference.apparent_topography(h, phi, v_f, mu_f, run.dbhat, dt, case)
+    Dz = first_order.apparent_topography(h, phi, v_f, mu_f, run.dbhat, dt, case)
     if not periodic:
         Dz[[0, -1]] = 0.0
     up, alpha = laws.positive(Dz), case.scheme.alpha
-    h_l, phi_l = reference.reconstruct(h[0], phi[0], phi[1], up, Dz > 0.0, alpha)
-    h_r, phi_r = reference.reconstruct(h[1], phi[1], phi[0], laws.positive(-Dz), Dz < 0.0, alpha)
-    flux = reference.interface_flux(fields, Dz, case)
-    updated = reference.update(before, flux, dt, case)
-    relaxed = reference.relax(updated, dt, case)
+    h_l, phi_l = first_order.reconstruct(h[0], phi[0], phi[1], up, Dz > 0.0, alpha)
+    h_r, phi_r = first_order.reconstruct(h[1], phi[1], phi[0], laws.positive(-Dz), Dz < 0.0, alpha)
+    flux = first_order.interface_flux(fields, Dz, case)
+    updated = first_order.update(before, flux, dt, case)
+    relaxed = first_order.relax(updated, dt, case)
     inner = slice(None) if periodic else slice(1, -1)
     return {
         "h": fields.h, "v": fields.v, "phi": fields.phi, "mu": mu, "v_f": v_f[inner], "dt": np.array([dt]),
@@ -213,7 +213,7 @@ def test_a_solver_loaded_again_remembers_nothing(other: dict[str, Any], device: 
 @pytest.mark.parametrize("seed", range(6))
 def test_lambda_flux_is_that_of_the_reference(seed: int) -> None:
     case = drawn(seed).with_(**{"scheme.lambda": 0.7, "scheme.h_bed": 1e-4, "rheology.phi_eq": "f2"})
-    run, solver = reference.Reference(case), Solver.holding([case])
+    run, solver = first_order.FirstOrder(case), Solver.holding([case])
     for _ in range(20):
         run.step()
         solver.step()

@@ -9,7 +9,7 @@ import pytest
 from helpers.cases import EVERY_ENGINE, Ran, drawn, ran, small
 
 from warpgran.case.case import Case
-from warpgran.physics.reference import decode
+from warpgran.physics.state import decode
 from warpgran.schema import Status
 
 

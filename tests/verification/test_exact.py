@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from warpgran.case.case import Case
+from warpgran.physics.first_order import friction
 from warpgran.physics.laws import phi_equilibrium, shear
-from warpgran.physics.reference import Fields, friction
+from warpgran.physics.state import Fields
 from warpgran.verification import exact
 from warpgran.verification.exact import BrakedDam, Flow, Uniform
 

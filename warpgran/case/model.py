@@ -7,6 +7,7 @@ schema follow from it.
 from __future__ import annotations
 
 import inspect
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import UnionType
@@ -99,7 +100,7 @@ class KeyInfo:
 def _allowed(field: FieldInfo) -> str:
     """`> 0 and < 1` of bounds, `"f0", "f1" or "f2"` of a choice."""
     if get_origin(field.annotation) is Literal:
-        *words, last = (f'"{word}"' for word in get_args(field.annotation))
+        *words, last = (json.dumps(word) for word in get_args(field.annotation))
         return f"{', '.join(words)} or {last}"
     bounds = [(sign, getattr(entry, name, None)) for entry in field.metadata for name, sign in _SIGNS.items()]
     return " and ".join(f"{sign} {value}" for sign, value in bounds if value is not None)
@@ -107,7 +108,7 @@ def _allowed(field: FieldInfo) -> str:
 
 def _kind(annotation: Any) -> type | None:
     if get_origin(annotation) is Literal:
-        return str
+        return type(get_args(annotation)[0])
     while get_origin(annotation) in (Annotated, Union, UnionType):
         annotation = get_args(annotation)[0]
     return annotation if annotation in (float, int, bool, str) else None

@@ -216,6 +216,8 @@ class Scheme(Model):
     """Right boundary."""
     window: StrictBool = declare(True, "window")
     """Visit only what is wet. Off gives the same bits, for measuring."""
+    order: Literal[1, 2] = declare(1, "order of the scheme")
+    """Order of accuracy: 1 is the scheme of the paper."""
 
     @property
     def periodic(self) -> bool:

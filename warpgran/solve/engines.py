@@ -10,7 +10,8 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.case.case import Case
-from warpgran.physics.reference import Reference
+from warpgran.physics.reference import reference
+from warpgran.physics.state import Run
 from warpgran.schema import Status
 from warpgran.solve.finished import SCALARS, Failure, Finished, fault
 from warpgran.solve.schedule import Outputs
@@ -86,7 +87,7 @@ def _run_one(case: Case, go_on: GoOn) -> Finished:
     outputs = Outputs.of(case)
     scalars = np.full((1, outputs.samples, len(SCALARS)), np.nan)
     profiles = tuple(np.full((1, outputs.snapshots, case.grid.cells), np.nan) for _ in range(3))
-    run = Reference(case)
+    run = reference(case)
     status, failure, speed = Status.OK, None, 0.0
     began = time.perf_counter()
     for k, (t, snapshot, sample) in enumerate(zip(outputs.times, outputs.snapshot_at, outputs.sample_at, strict=True)):
@@ -115,7 +116,7 @@ def _run_one(case: Case, go_on: GoOn) -> Finished:
     return Finished(scalars, profiles, *each, {0: failure} if failure else {}, seconds)
 
 
-def _advance(run: Reference, t_out: float, go_on: GoOn) -> Status:
+def _advance(run: Run, t_out: float, go_on: GoOn) -> Status:
     """Advance a run to t_out [s]; how that ended."""
     while run.t < t_out:
         if run.steps >= run.case.time.step_limit:
@@ -129,7 +130,7 @@ def _advance(run: Reference, t_out: float, go_on: GoOn) -> Status:
     return Status.OK
 
 
-def _find_fault(run: Reference, t_out: float) -> Failure:
+def _find_fault(run: Run, t_out: float) -> Failure:
     """Repeat the steps of a run that has diverged, up to the last sound one."""
     found = None
     before = run.U, run.t, run.steps

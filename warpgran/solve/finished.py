@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpgran.arrays import Array
-from warpgran.physics.reference import DRY
-from warpgran.physics.reference import SCALARS as SCALARS
+from warpgran.physics.state import DRY
+from warpgran.physics.state import SCALARS as SCALARS
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Finished:
     """Runs that have ended. What was not recorded is NaN.
 
     Attributes:
-        scalars: Those of physics.reference.SCALARS, shape (runs, samples, scalars).
+        scalars: Those of physics.state.SCALARS, shape (runs, samples, scalars).
         profiles: h [m], v [m/s], phi of the snapshots, each (runs, snapshots, cells or more).
         status, steps, end_time: Per run; codes of schema.Status, -, s.
         failures: By run, those that have diverged.

@@ -14,10 +14,11 @@ import warp as wp
 
 from warpgran.arrays import Array
 from warpgran.case.case import Case
-from warpgran.kernels import first
+from warpgran.kernels.build import SCHEMES
 from warpgran.kernels.clock import OK
 from warpgran.kernels.precision import BLOCK, MARGIN, Variant, precision
 from warpgran.kernels.record import SCALARS
+from warpgran.physics.second_order import bed_drop
 from warpgran.solve.schedule import Outputs
 
 
@@ -32,8 +33,8 @@ class State:
     Every argument of a kernel is an attribute of that name or one of `arrays`.
 
     Attributes:
-        arrays: The flat arrays of cells and interfaces of the scheme, by name; kernels/first/__init__.py says what they
-            hold.
+        arrays: The flat arrays of cells and interfaces of the scheme, by name; the pages of kernels/first and
+            kernels/second say what they hold.
         params: Parameters, per run.
         lo, hi: window of cells visited, per run; active: whether a run advances; due: whether it is to be recorded.
         t, dt_exact, dt, steps: time and time step [s], in float64 and in the precision of the kernels, and steps taken,
@@ -51,6 +52,7 @@ class State:
         self.pitch = padded + MARGIN
         self.size = runs * self.pitch + MARGIN
         self.cells = [0] * runs
+        self.scheme = SCHEMES[variant.order]
         kinds = precision(variant.precision)
         Real = kinds.Real
 
@@ -61,8 +63,9 @@ class State:
         # one or two cache lines, so that equal indices do not all compete for the same places of the cache.
         stride = -(-self.size // MARGIN) * MARGIN + MARGIN
         stride += MARGIN * (stride // MARGIN % 2 == 0)
-        self._slab = wp.zeros(len(first.ARRAYS) * stride, dtype=Real, device=device)
-        self.arrays = {name: self._slab[k * stride : k * stride + self.size] for k, name in enumerate(first.ARRAYS)}
+        names = self.scheme.arrays
+        self._slab = wp.zeros(len(names) * stride, dtype=Real, device=device)
+        self.arrays = {name: self._slab[k * stride : k * stride + self.size] for k, name in enumerate(names)}
 
         self.params = per_run(kinds.RunParams)
         self.lo, self.hi, self.active, self.due = (per_run(wp.int32) for _ in range(4))
@@ -96,28 +99,25 @@ class State:
         """Put runs at their initial state, no more than the capacity; the rest of it is idle."""
         idle = self.runs - len(cases)
         self.cells = [case.grid.cells for case in cases] + [0] * idle
-        names = ("U0", "U1", "U2", "phi", "bhat", "dbhat")
-        U0, U1, U2, phi, bhat, dbhat = values = [np.zeros(self.size) for _ in names]
+        values: dict[str, Array] = {}
         lo, hi = np.zeros(self.runs, dtype=np.int32), np.zeros(self.runs, dtype=np.int32)
         params = np.zeros(self.runs, dtype=self.params.dtype.numpy_dtype())
+        phi = values["phi"] = np.full(self.size, 0.5)  # between rows and in idle ones: anything that can be divided by
         for r, case in enumerate(cases):
-            cells = slice(self.row(r), self.row(r) + case.grid.cells)
-            h, phi_0 = case.initial_state()
-            U0[cells] = phi_0 * h
-            U1[cells] = phi_0 * h * case.initial_velocity()
-            U2[cells] = phi_0**case.scheme.alpha * h
+            row, padded = self.row(r), padded_cells(case.grid.cells)
             # Cells outside the window are read by their neighbours within: they must look dry.
-            phi[self.row(r) - MARGIN : self.row(r) + self.padded] = case.rheology.phi_stat
-            bhat[cells] = case.bhat
-            dbhat[cells.start : cells.stop + 1] = case.dbhat
-            padded = padded_cells(case.grid.cells)
-            lo[r], hi[r] = _window(U0[cells], padded, case.scheme.window and not case.scheme.periodic)
-            for name, value in _parameters(case, self.row(r), padded).items():
+            phi[row - MARGIN : row + self.padded] = case.rheology.phi_stat
+            for name, each in _initial(case).items():
+                if name in self.arrays:
+                    values.setdefault(name, np.zeros(self.size))[row : row + each.size] = each
+            limited = case.scheme.window and not case.scheme.periodic
+            U0 = values["U0"][row : row + case.grid.cells]
+            lo[r], hi[r] = _window(U0, padded, self.scheme.empty) if limited else (0, padded)
+            for name, value in _parameters(case, row, padded).items():
                 params[name][r] = value
-        phi[phi == 0.0] = 0.5  # between rows and in idle ones: anything that can be divided by
 
         self._slab.zero_()
-        for name, each in zip(names, values, strict=True):
+        for name, each in values.items():
             self.arrays[name].assign(each)
         self.params.assign(params)
         self.lo.assign(lo)
@@ -149,12 +149,19 @@ class State:
         return tuple(np.array(array.numpy()).reshape(shape) for array in (self.h_out, self.v_out, self.phi_out))
 
 
-def _window(U0: Array, padded: int, limited: bool) -> tuple[int, int]:
-    """First and one-past-last cell to visit: all that holds mass and EMPTY cells on either side, in whole blocks."""
+def _initial(case: Case) -> dict[str, Array]:
+    """Arrays that a run starts from, of its cells or interfaces; a scheme takes those that it has."""
+    h, phi = case.initial_state()
+    U = {"U0": phi * h, "U1": phi * h * case.initial_velocity(), "U2": phi**case.scheme.alpha * h}
+    return {**U, "bhat": case.bhat, "dbhat": case.dbhat, "drop": bed_drop(case)}
+
+
+def _window(U0: Array, padded: int, empty: int) -> tuple[int, int]:
+    """First and one-past-last cell to visit: all that holds mass and empty cells on either side, in whole blocks."""
     wet = np.flatnonzero(U0)
-    if not limited or wet.size == 0:
+    if wet.size == 0:
         return 0, padded
-    return max(int(wet[0]) - first.EMPTY, 0) // BLOCK * BLOCK, min(padded_cells(int(wet[-1]) + first.EMPTY), padded)
+    return max(int(wet[0]) - empty, 0) // BLOCK * BLOCK, min(padded_cells(int(wet[-1]) + empty), padded)
 
 
 def _parameters(case: Case, row: int, padded: int) -> dict[str, float]:
@@ -180,9 +187,8 @@ def bytes_of_run(cells: int, outputs: Outputs, variant: Variant) -> int:
     """Device memory of one run [bytes], with its recorded output."""
     real = 8 if variant.precision == "float64" else 4
     row = padded_cells(cells)
-    return real * ((row + MARGIN) * len(first.ARRAYS) + 3 * outputs.snapshots * row) + 8 * outputs.samples * len(
-        SCALARS
-    )
+    flat = (row + MARGIN) * len(SCHEMES[variant.order].arrays) + 3 * outputs.snapshots * row
+    return real * flat + 8 * outputs.samples * len(SCALARS)
 
 
 def most_runs(padded: int, outputs: Outputs, variant: Variant) -> int:
@@ -193,7 +199,7 @@ def most_runs(padded: int, outputs: Outputs, variant: Variant) -> int:
         outputs: The output schedule of the runs.
         variant: What is compiled in.
     """
-    arrays = len(first.ARRAYS)
+    arrays = len(SCHEMES[variant.order].arrays)
     elements = 2**31 - 1 - arrays * 5 * MARGIN  # less what lies between the arrays of the slab
     row = arrays * (padded + MARGIN), outputs.snapshots * padded, outputs.samples * len(SCALARS)
     return elements // max(row)

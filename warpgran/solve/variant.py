@@ -25,6 +25,7 @@ class Choice(NamedTuple):
 
 
 CHOICES: dict[str, Choice] = {
+    "order": Choice(("scheme.order",), int),
     "alpha_two": Choice(("scheme.alpha",), lambda alpha: alpha == 2.0),
     "lambda_zero": Choice(("scheme.lambda",), lambda weight: weight == 0.0),
     "phi_eq": Choice(

@@ -1,6 +1,6 @@
 """Exact solutions to verify against. NumPy alone: what judges the kernels shares no code with them.
 
-All are solutions of the model of `physics.reference` in SI units: x [m] along the slope, positive downhill; t [s];
+All are solutions of the model of `physics.first_order` in SI units: x [m] along the slope, positive downhill; t [s];
 h [m], v [m/s] and phi [-] as arrays over x; g_c = g cos(theta) [m/s2]. A wave speed is c = sqrt(g_c h). With phi
 constant and mu1 = mu2 = tan(delta), K = 0, the model is
 

@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 
 from warpgran.arrays import Array
 from warpgran.case.case import Case
+from warpgran.physics.first_order import friction
 from warpgran.physics.laws import phi_equilibrium, shear
-from warpgran.physics.reference import Fields, friction
+from warpgran.physics.state import Fields
 from warpgran.solve.solver import Solver
 from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
 from warpgran.verification.grids import Comparison, Computed, centres, starting_from

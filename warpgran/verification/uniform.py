@@ -11,8 +11,9 @@ from scipy.integrate import solve_ivp
 from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.figures.style import TIME_LABEL
+from warpgran.physics.first_order import friction
 from warpgran.physics.laws import phi_equilibrium, shear
-from warpgran.physics.reference import Fields, friction
+from warpgran.physics.state import Fields
 from warpgran.verification import exact
 from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
 from warpgran.verification.grids import G, computed, falling, starting_from

@@ -1,0 +1,151 @@
+"""The two ends of the grid: ghost cells, and what the first and the last interface take from their neighbours.
+
+One thread a run. Beyond a wall is the mirror image of the cell at the end; beyond an open end a copy of it, or its
+mirror image where it flows into the grid, so that nothing flows in. Periodic ends: ../ghosts.py.
+"""
+
+from typing import Any, NamedTuple
+
+import warp as wp
+
+from warpgran.kernels.ghosts import make_wrap
+from warpgran.kernels.precision import Ints, Variant, precision
+
+
+class SecondEnds(NamedTuple):
+    """The kernels of this file by what they follow; None where there is nothing to do."""
+
+    after_decode: Any
+    after_cells: Any
+    after_drive: Any
+    after_faces: Any
+
+
+def make(variant: Variant, module: Any) -> SecondEnds:
+    """The kernels of a variant."""
+    return (_periodic if variant.periodic else _apart)(variant, module)
+
+
+def _apart(variant: Variant, module: Any) -> SecondEnds:
+    """Walls and open ends."""
+    kinds = precision(variant.precision)
+    Real, A, Params = kinds.Real, kinds.Array, kinds.Params
+    zero = Real(0.0)
+
+    @wp.func
+    def beyond(v: Real, outward: Real, v_factor: Real) -> Real:
+        """Velocity [m/s] beyond an end. outward: 1 at the right end, -1 at the left; v_factor: -1 wall, 1 open."""
+        return wp.where(v_factor < zero, -v, outward * wp.abs(v))
+
+    @wp.kernel(module=module)
+    def after_drive(
+        # per run
+        params: Params, active: Ints,
+        # outputs
+        q: A, s: A, v: A, c: A, X: A, P: A, hold: A, unused: A,
+    ):  # fmt: skip
+        """Ghost cells, for differences of s, v, c; X, P, unused of the next interfaces; J = 0, by hold = 0."""
+        run = wp.tid()
+        if active[run] == 0:
+            return
+        p = params[run]
+        first = p.row
+        last = p.row + p.cells - 1
+        for at_right in range(2):
+            cell = wp.where(at_right == 1, last, first)
+            ghost = wp.where(at_right == 1, last + 1, first - 1)
+            interface = wp.where(at_right == 1, last + 1, first)
+            inner = wp.where(at_right == 1, last, first + 1)
+            q[ghost] = q[cell]
+            s[ghost] = s[cell]
+            c[ghost] = c[cell]
+            v[ghost] = wp.where(at_right == 1, p.v_right, p.v_left) * v[cell]
+            X[interface] = X[inner]
+            P[interface] = P[inner]
+            unused[interface] = unused[inner]
+            hold[interface] = zero
+
+    @wp.kernel(module=module)
+    def after_faces(
+        # per run
+        params: Params, active: Ints,
+        # outputs
+        q_L: A, q_R: A, s_L: A, s_R: A, v_L: A, v_R: A, c_L: A, c_R: A,
+    ):  # fmt: skip
+        """The faces of the ghost cells toward the grid."""
+        run = wp.tid()
+        if active[run] == 0:
+            return
+        p = params[run]
+        first = p.row
+        last = p.row + p.cells - 1
+        q_R[first - 1] = q_L[first]
+        s_R[first - 1] = s_L[first]
+        c_R[first - 1] = c_L[first]
+        v_R[first - 1] = beyond(v_L[first], Real(-1.0), p.v_left)
+        q_L[last + 1] = q_R[last]
+        s_L[last + 1] = s_R[last]
+        c_L[last + 1] = c_R[last]
+        v_L[last + 1] = beyond(v_R[last], Real(1.0), p.v_right)
+
+    return SecondEnds(None, None, after_drive, after_faces)
+
+
+def _periodic(variant: Variant, module: Any) -> SecondEnds:
+    """Periodic ends."""
+    kinds = precision(variant.precision)
+    A, Params = kinds.Array, kinds.Params
+    wrap = make_wrap(kinds)
+
+    @wp.kernel(module=module)
+    def after_decode(
+        # per run
+        params: Params, active: Ints,
+        # outputs
+        s_wet: A,
+    ):  # fmt: skip
+        """Ghost cells of what the dry cells are filled from."""
+        run = wp.tid()
+        if active[run] != 0:
+            wrap(s_wet, params[run])
+
+    @wp.kernel(module=module)
+    def after_cells(
+        # per run
+        params: Params, active: Ints,
+        # outputs
+        q: A, s: A, v: A, c: A, mu: A,
+    ):  # fmt: skip
+        """Ghost cells of what a state decodes to."""
+        run = wp.tid()
+        if active[run] != 0:
+            p = params[run]
+            wrap(q, p)
+            wrap(s, p)
+            wrap(v, p)
+            wrap(c, p)
+            wrap(mu, p)
+
+    @wp.kernel(module=module)
+    def after_faces(
+        # per run
+        params: Params, active: Ints,
+        # outputs
+        SX: A, SP: A, q_L: A, q_R: A, s_L: A, s_R: A, v_L: A, v_R: A, c_L: A, c_R: A,
+    ):  # fmt: skip
+        """Ghost cells of slopes, and the faces of ghost cells toward the grid."""
+        run = wp.tid()
+        if active[run] != 0:
+            p = params[run]
+            wrap(SX, p)
+            wrap(SP, p)
+            wrap(q_L, p)
+            wrap(q_R, p)
+            wrap(s_L, p)
+            wrap(s_R, p)
+            wrap(v_L, p)
+            wrap(v_R, p)
+            wrap(c_L, p)
+            wrap(c_R, p)
+
+    return SecondEnds(after_decode, after_cells, None, after_faces)
