@@ -294,7 +294,7 @@ class Reference:
         case = self.case
         h, v, phi = self.fields
         rho, g_c = phi * h, case.g_c
-        thick = h > case.scheme.h_front
+        thick = h > case.h_front
         energy = rho * (0.5 * v**2 + 0.5 * g_c * h + g_c * case.bhat)
         return {
             "front": self._front(h),
@@ -308,7 +308,7 @@ class Reference:
 
     def _front(self, h: Array) -> float:
         """Largest x [m] where h falls through h_front, linear between cell centres."""
-        x, level = self.case.x, self.case.scheme.h_front
+        x, level = self.case.x, self.case.h_front
         thick = np.flatnonzero(h > level)
         if thick.size == 0:
             return float(self.case.grid.left)
