@@ -41,20 +41,22 @@ def test_defaults_are_the_papers_table_1_and_the_schemes() -> None:
         "grid.right": 1.6,
         "grid.cells": 1800,
         "time.end": 1.8,
-        "time.snapshots": [0.36, 0.72, 1.08, 1.44, 1.8],
-        "time.series": {"every": 0.01},
-        "time.rest_speed": 1e-3,
+        "time.snapshots": {"every": 0.36},
+        "time.series": {"every": 0.009},
+        "time.rest_speed": pytest.approx(1.1719215e-3),  # 1e-3 sqrt(9.81 0.14)
         "time.stop_at_rest": False,
         "time.step_limit": 10_000_000,
+        "scheme.order": 2,
+        "scheme.start": 2,
         "scheme.alpha": 2.0,
-        "scheme.lambda": 0.0,
+        "scheme.lambda": None,
         "scheme.cfl": 0.45,
-        "scheme.relaxation": "rational",
-        "scheme.viscosity": "bounded",
-        "scheme.xi": [2.0, 2.0, 5.0],
-        "scheme.h_min": 7e-4,
+        "scheme.relaxation": None,
+        "scheme.viscosity": None,
+        "scheme.xi": None,
+        "scheme.h_min": 3.5e-3,
         "scheme.h_bed": 0.0,
-        "scheme.h_front": 1e-3,
+        "scheme.h_front": 1.4e-3,
         "scheme.left": "wall",
         "scheme.right": "open",
         "scheme.window": True,
@@ -62,16 +64,37 @@ def test_defaults_are_the_papers_table_1_and_the_schemes() -> None:
     }
 
 
+def test_the_defaults_of_order_1_are_the_papers() -> None:
+    first, second = Case().with_(**{"scheme.order": 1}).flat(), Case().flat()
+    assert {key: value for key, value in first.items() if value != second[key]} == {
+        "scheme.order": 1,
+        "scheme.start": None,
+        "scheme.lambda": 0.0,
+        "scheme.relaxation": "rational",
+        "scheme.viscosity": "bounded",
+        "scheme.xi": [2.0, 2.0, 5.0],
+        "scheme.h_min": 7e-4,
+    }
+
+
 def test_defaults_follow_what_they_depend_on() -> None:
-    case = Case().with_(**{"grid.left": -0.5, "rheology.grain_diameter": 1e-3})
-    assert (case.column_start, case.h_min) == (-0.5, 1e-3)
-    case = case.with_(**{"column.start": 0.5, "scheme.h_min": 1e-5})
-    assert (case.column_start, case.h_min) == (0.5, 1e-5)
+    case = Case().with_(
+        **{"grid.left": -0.5, "rheology.grain_diameter": 1e-3, "slope.angle": 60.0, "slope.gravity": 2.0}
+    )
+    assert (case.column_start, case.h_min, case.h_front) == (-0.5, 5e-3, 2e-3)
+    assert case.with_(**{"scheme.order": 1}).h_min == 1e-3
+    assert case.rest_speed == pytest.approx(1e-3 * math.sqrt(0.14))
+    profiled = case.with_(**{"column.profile": {"x": [0.0, 0.2, 0.4], "h": [0.1, 0.25, 0.2]}})
+    assert profiled.rest_speed == pytest.approx(0.5e-3)
+    given = {"column.start": 0.5, "scheme.h_min": 1e-5, "scheme.h_front": 2e-5, "time.rest_speed": 3e-5}
+    case = case.with_(**given)
+    assert (case.column_start, case.h_min, case.h_front, case.rest_speed) == (0.5, 1e-5, 2e-5, 3e-5)
 
 
 def test_numpy_numbers_are_numbers() -> None:
     case = Case().with_(
         **{
+            "scheme.order": 1,
             "slope.angle": np.int64(16),
             "column.phi": np.float32(0.5),
             "scheme.xi": np.ones(3),
@@ -112,7 +135,7 @@ def test_cases_are_frozen() -> None:
 
 def test_equality_is_that_of_the_values_in_force() -> None:
     case = Case()
-    assert case == case.with_(**{"column.start": -0.2, "scheme.h_min": 7e-4, "slope.angle": -0.0})
+    assert case == case.with_(**{"column.start": -0.2, "scheme.h_min": 3.5e-3, "slope.angle": -0.0})
     assert hash(case) == hash(case.with_(**{"column.start": -0.2, "slope.angle": -0.0}))
     assert case != case.with_(**{"column.start": -0.1})
     assert case != "case"

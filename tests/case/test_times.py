@@ -22,10 +22,10 @@ def test_equally_spaced_times(every: float, end: float, times: tuple[float, ...]
 
 
 def test_defaults_follow_the_end() -> None:
-    assert snapshot_times(Time(end=5.0)) == (1.0, 2.0, 3.0, 4.0, 5.0)
-    short = Time(end=1e-3)
-    assert short.series == Every(every=0.01)
-    assert sample_times(short) == (0.0, 1e-3)
+    time = Time(end=5.0)
+    assert snapshot_times(time) == (0.0, 1.0, 2.0, 3.0, 4.0, 5.0)
+    assert sample_times(time) == tuple(k / 40 for k in range(201))
+    assert (snapshot_times(Time(snapshots=())), sample_times(Time(series=()))) == ((), ())
 
 
 def test_output_times_are_the_union_and_the_end() -> None:

@@ -37,6 +37,7 @@ cells = 240
 end = 0.9
 rest_speed = 1e-3
 [scheme]
+order = 1
 h_min = 7e-4
 h_front = 1e-3
 left = "wall"

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from warpgran.case.problems import Problem
-from warpgran.case.sections import Column, Every, Grid, Rheology, Scheme, Slope, Time
+from warpgran.case.sections import KEYS, Column, Every, Grid, Rheology, Scheme, Slope, Time
 from warpgran.case.tables import ProfileTable, Table
 from warpgran.case.times import SAME_TIME
 
@@ -31,6 +31,7 @@ def cross_problems(
     if scheme.xi[1] > scheme.xi[0]:
         message = f"{list(scheme.xi)} diffuses momentum faster than mass, which makes velocities out of nothing"
         yield Problem("scheme.xi", f"{message}; allowed: three numbers >= 0, the second <= the first")
+    yield from _order_problems(scheme)
     if (scheme.left == "periodic") != (scheme.right == "periodic"):
         yield _half_periodic(scheme)
     yield from _time_problems(time)
@@ -52,6 +53,14 @@ def _out_of_range(key: str, value: Any, allowed: str, *involves: str) -> Problem
     return Problem(key, f"{value} is out of range; allowed: {allowed}", involves)
 
 
+def _order_problems(scheme: Scheme) -> Iterator[Problem]:
+    for name, key in Scheme.keys().items():
+        order = KEYS[f"scheme.{key}"].order
+        if name in scheme.model_fields_set and order not in (None, scheme.order):
+            message = f"has no part in the scheme of order {scheme.order}; take it out, or set scheme.order = {order}"
+            yield Problem(f"scheme.{key}", message, ("scheme.order",))
+
+
 def _half_periodic(scheme: Scheme) -> Problem:
     key, other = ("scheme.left", "scheme.right") if scheme.left == "periodic" else ("scheme.right", "scheme.left")
     value = scheme.right if scheme.left == "periodic" else scheme.left
@@ -71,13 +80,13 @@ def _time_problems(time: Time) -> Iterator[Problem]:
     for name, times in (("snapshots", time.snapshots), ("series", time.series)):
         key = f"time.{name}"
         if isinstance(times, Every):
-            yield from _every_problems(f"{key}.every", times.every, time.end, name in time.model_fields_set)
+            yield from _every_problems(f"{key}.every", times.every, time.end)
         elif times is not None:
             yield from _list_problems(key, times, time.end)
 
 
-def _every_problems(key: str, every: float, end: float, is_set: bool) -> Iterator[Problem]:
-    if is_set and every > end:  # the default gives way to a short run
+def _every_problems(key: str, every: float, end: float) -> Iterator[Problem]:
+    if every > end:
         yield _out_of_range(key, every, f"> 0 and <= time.end, which is {end}, in s", "time.end")
     elif end / every * (1 + SAME_TIME) >= MOST_TIMES:  # and one at time 0
         yield Problem(key, f"{every} gives more than {MOST_TIMES} times up to time.end, which is {end}", ("time.end",))
@@ -120,9 +129,8 @@ def _profile_problems(column: Column, profile: ProfileTable, grid: Grid) -> Iter
 
 
 def _layer_problems(column: Column, scheme: Scheme) -> Iterator[Problem]:
-    height = column.height if column.profile is None else float(column.profile.h.max())
-    if scheme.h_bed >= height:
-        allowed = f">= 0 and < the column's height, which is {height}, in m"
+    if scheme.h_bed >= column.greatest_height:
+        allowed = f">= 0 and < the column's height, which is {column.greatest_height}, in m"
         yield _out_of_range("scheme.h_bed", scheme.h_bed, allowed, "column.height", "column.profile")
 
 

@@ -20,8 +20,8 @@ from warpgran.case.between_keys import cross_problems
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.model import Model, declare
 from warpgran.case.problems import CaseError, Problem, problems_of
-from warpgran.case.sections import ALLOWED, SECTIONS, Column, Every, Grid, Rheology, Scheme, Slope, Time
-from warpgran.case.times import output_times, sample_times, snapshot_times
+from warpgran.case.sections import ALLOWED, KEYS, SECTIONS, Column, Every, Grid, Rheology, Scheme, Slope, Time
+from warpgran.case.times import output_times, sample_times, series, snapshot_times, snapshots
 from warpgran.case.toml import as_data, load, override, plain, set_key, text_of
 from warpgran.case.validation import validated
 
@@ -153,6 +153,16 @@ class Case(Model):
         return self._value("scheme.h_min")
 
     @property
+    def h_front(self) -> float:
+        """Thickness that marks the front, m."""
+        return self._value("scheme.h_front")
+
+    @property
+    def rest_speed(self) -> float:
+        """Speed below which the mass is at rest, m/s."""
+        return self._value("time.rest_speed")
+
+    @property
     def dx(self) -> float:
         """Cell size, m."""
         return self.grid.dx
@@ -226,8 +236,10 @@ class Case(Model):
 
     def _value(self, key: str) -> Any:
         """The value of a dotted key, or its default if that follows from other keys."""
+        if key == "column.height":
+            return self.column.greatest_height
         value = self._given(key)
-        return default(key, self._value) if value is None and key in FOLLOWS else value
+        return float(default(key, self._value)) if value is None and key in FOLLOWS else value
 
     @property
     def following(self) -> list[str]:
@@ -246,11 +258,8 @@ class Case(Model):
             for name, key in model.keys().items():
                 values[f"{section}.{key}"] = getattr(getattr(self, section), name)
         values |= {key: self._value(key) for key in FOLLOWS}
-        for key, times in (("time.snapshots", self.time.snapshots), ("time.series", self.time.series)):
-            if isinstance(times, Every):
-                values[key] = Every(every=min(times.every, self.time.end))
-            elif times is None:
-                values[key] = self.snapshot_times
+        values |= {"time.snapshots": snapshots(self.time), "time.series": series(self.time)}
+        values |= {key: None for key, known in KEYS.items() if known.order not in (None, self.scheme.order)}
         if self.column.profile is not None:
             values |= dict.fromkeys(("column.height", "column.length", "column.start"))
             if self.column.profile.phi is not None:

@@ -34,7 +34,7 @@ def with_tables(page: str) -> str:
 
 def _table(keys: Mapping[str, KeyInfo]) -> str:
     rows = [
-        f"| `{name}` | {_default(key)} | {key.allowed or _OF_KIND[key.kind]} | {key.unit} | {key.meaning} |"
+        f"| `{name}` | {_default(key)} | {key.allowed or _OF_KIND[key.kind]} | {key.unit} | {_meaning(key)} |"
         for name, key in keys.items()
     ]
     rows = [row.replace("|  |", "| |") for row in rows]
@@ -46,6 +46,10 @@ _OF_KIND: dict[type | None, str] = {str: "any text", bool: "true or false"}
 
 def _default(key: KeyInfo) -> str:
     return key.unset if key.default is None else f"`{toml_value(plain(key.default))}`"
+
+
+def _meaning(key: KeyInfo) -> str:
+    return key.meaning if key.order is None else f"{key.meaning} With `order = {key.order}` alone."
 
 
 if __name__ == "__main__":

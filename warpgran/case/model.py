@@ -32,6 +32,7 @@ def declare(
     display: tuple[str, float] | None = None,
     allowed: str = "",
     unset: str = "",
+    order: int | None = None,
     **options: Any,
 ) -> Any:
     """A key of the run file as a field of its section, with a docstring below it that says what it means.
@@ -44,11 +45,12 @@ def declare(
         display: Unit in figures and the factor to it, if not that of the run file.
         allowed: What is allowed, if the type and the bounds gt, ge, lt and le do not say it all.
         unset: What a default of None stands for, in Markdown.
+        order: The order of the scheme that has it, None for both.
         options: The bounds, and what else pydantic's Field takes.
     """
     display_unit, factor = display or (unit, 1.0)
     extra: dict[str, Any] = {"symbol": symbol, "unit": unit, "display_unit": display_unit, "display_factor": factor}
-    extra |= {word: text for word, text in (("allowed", allowed), ("unset", unset)) if text}
+    extra |= {word: text for word, text in (("allowed", allowed), ("unset", unset), ("order", order)) if text}
     return Field(default, title=name, json_schema_extra=extra, **options)
 
 
@@ -73,6 +75,7 @@ class KeyInfo:
     unit: str
     display_unit: str
     factor: float
+    order: int | None
 
     @classmethod
     def of(cls, field: FieldInfo) -> KeyInfo:
@@ -89,6 +92,7 @@ class KeyInfo:
             unit=extra["unit"],
             display_unit=extra["display_unit"],
             factor=extra["display_factor"],
+            order=extra.get("order"),
         )
 
     @property

@@ -127,6 +127,11 @@ class Column(Model):
         """Left end of the rectangle, m."""
         return grid.left if self.start is None else self.start
 
+    @property
+    def greatest_height(self) -> float:
+        """Height of the rectangle, or greatest thickness of the profile, m."""
+        return self.height if self.profile is None else float(self.profile.h.max())
+
     def thickness_on(self, grid: Grid) -> Array:
         """Thickness at the cell centres, m, shape (cells,); 0 at and beyond the ends."""
         x = grid.x
@@ -164,12 +169,20 @@ class Time(Model):
     end: StrictFloat = declare(1.8, "end", r"t_\mathrm{end}", unit="s", gt=0)
     """When the run ends."""
     snapshots: Times | None = declare(
-        None, "snapshots", unit="s", allowed=_TIMES, unset="five, equally spaced, the last at `time.end`"
+        None, "snapshots", unit="s", allowed=_TIMES, unset="t = 0 and five more, equally spaced"
     )
     """When whole profiles are stored."""
-    series: Times = declare(Every(every=0.01), "series", unit="s", allowed=_TIMES)
+    series: Times | None = declare(None, "series", unit="s", allowed=_TIMES, unset="200 equal intervals")
     """When front, greatest height and the other scalars are stored."""
-    rest_speed: StrictFloat = declare(1e-3, "speed at rest", r"v_\mathrm{rest}", unit="m/s", display=MM_PER_S, gt=0)
+    rest_speed: StrictFloat | None = declare(
+        None,
+        "speed at rest",
+        r"v_\mathrm{rest}",
+        unit="m/s",
+        display=MM_PER_S,
+        unset="1e-3 sqrt(g_c h_0), h_0 the greatest height of the column",
+        gt=0,
+    )
     """The mass has stopped at the first sample after which its greatest speed stays below this."""
     stop_at_rest: StrictBool = declare(False, "stop at rest")
     """End a run at the first sample where no part thicker than `h_front` is faster than `rest_speed`, and none was
@@ -185,30 +198,43 @@ _End = Literal["wall", "open", "periodic"]
 class Scheme(Model):
     """Choices of the numerical method."""
 
+    order: StrictInt = declare(2, "order", allowed="1 or 2", ge=1, le=2)
+    """Order of accuracy: 2, or 1 for the scheme of the paper."""
+    start: StrictInt = declare(2, "start levels", order=2, ge=0, le=10)
+    """The first moments of a run are computed on cells 2^start times smaller; 0 for none."""
     alpha: StrictFloat = declare(2.0, "exponent", r"\alpha", gt=1, le=10)
     """Exponent of the third conserved quantity, phi^alpha h."""
-    lambda_: StrictFloat = declare(0.0, "weight", r"\lambda", alias="lambda", ge=0, le=1)
+    lambda_: StrictFloat = declare(0.0, "weight", r"\lambda", alias="lambda", order=1, ge=0, le=1)
     """Weight of the kinetic energy in the reconstruction (B.16). In Python: `case.scheme.lambda_`."""
     cfl: StrictFloat = declare(0.45, "Courant number", "C", gt=0, le=0.5)
     """Courant number."""
-    relaxation: Literal["rational", "exponential"] = declare("rational", "relaxation")
+    relaxation: Literal["rational", "exponential"] = declare("rational", "relaxation", order=1)
     """Dilatancy step: (3.17) or (3.18)."""
-    viscosity: Literal["bounded", "paper"] = declare("bounded", "viscosity")
+    viscosity: Literal["bounded", "paper"] = declare("bounded", "viscosity", order=1)
     """Stabilization: ours, or (3.20) to the letter."""
     xi: tuple[NotNegative, NotNegative, NotNegative] = declare(
         (2.0, 2.0, 5.0),
         "coefficients of the stabilization",
         r"\xi",
         allowed="three numbers >= 0, the second <= the first",
+        order=1,
     )
     """Coefficients of the stabilization for mass, momentum and volume fraction; zeros turn it off."""
     h_min: StrictFloat | None = declare(
-        None, "least thickness", r"h_\mathrm{min}", unit="m", display=MM, unset="`rheology.grain_diameter`", gt=0
+        None,
+        "least thickness",
+        r"h_\mathrm{min}",
+        unit="m",
+        display=MM,
+        unset="five grain diameters; one with `order = 1`",
+        gt=0,
     )
-    """Least thickness in the shear rate, which means nothing below one grain; smaller values hardly change a result."""
+    """Least thickness in the shear rate, which means nothing below some grains."""
     h_bed: StrictFloat = declare(0.0, "bed layer", r"h_\mathrm{bed}", unit="m", display=MM, ge=0)
     """Thickness of a precursor layer beside the column, less than the column's height; 0 is a dry bed."""
-    h_front: StrictFloat = declare(1e-3, "front thickness", r"h_\mathrm{front}", unit="m", display=MM, gt=0)
+    h_front: StrictFloat | None = declare(
+        None, "front thickness", r"h_\mathrm{front}", unit="m", display=MM, unset="two grain diameters", gt=0
+    )
     """Thickness that marks the front; the volume counts what is thicker."""
     left: _End = declare("wall", "left boundary")
     """Left boundary; periodic only together with the right one."""

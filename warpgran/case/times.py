@@ -12,17 +12,29 @@ SAME_TIME = 1e-9
 """Times that differ by less than this fraction of `time.end` are one."""
 
 
+def snapshots(time: Time) -> Every | tuple[float, ...]:
+    """`time.snapshots`, or its default."""
+    return _parts(time.end, 5) if time.snapshots is None else time.snapshots
+
+
+def series(time: Time) -> Every | tuple[float, ...]:
+    """`time.series`, or its default."""
+    return _parts(time.end, 200) if time.series is None else time.series
+
+
+def _parts(end: float, count: int) -> Every:
+    return Every(every=float(f"{end / count:.12g}"))  # 0.009, not 0.009000000000000001
+
+
 def snapshot_times(time: Time) -> tuple[float, ...]:
     """Times of whole profiles, s, increasing."""
-    if time.snapshots is None:
-        return _spaced(time.end, time.end / 5)[1:]
-    return _listed(time.snapshots, time.end)
+    return _listed(snapshots(time), time.end)
 
 
 def sample_times(time: Time) -> tuple[float, ...]:
     """Times of the scalar series, s, increasing; a sample at a snapshot has its time to the bit."""
     near = SAME_TIME * time.end
-    times = np.array(_listed(time.series, time.end))
+    times = np.array(_listed(series(time), time.end))
     snapshots = np.array([*snapshot_times(time), math.inf])
     candidate = snapshots[np.searchsorted(snapshots, times - near, side="right")]  # the only one that can be near
     return tuple(np.unique(np.where(candidate < times + near, candidate, times)).tolist())
@@ -35,7 +47,7 @@ def output_times(time: Time) -> tuple[float, ...]:
 
 def _listed(times: Every | tuple[float, ...], end: float) -> tuple[float, ...]:
     if isinstance(times, Every):
-        return _spaced(end, min(times.every, end))  # the default may be longer than the whole run
+        return _spaced(end, times.every)
     near = SAME_TIME * end
     return tuple(end if end - time < near else 0.0 if time < near else time for time in times)
 

@@ -117,10 +117,12 @@ class Key:
 def varied_keys(data: xr.Dataset) -> list[Key]:
     """The keys in which the runs differ, without those that took their values from another, as their default."""
     found = {name: data[name].values for name in swept(data)}
-    defaults = {
-        name: default(name, lambda key: parameter(data, key, np.nan).values) for name in found if name in FOLLOWS
-    }
-    followers = [name for name, values in defaults.items() if np.array_equal(found[name], values)]
+
+    def value(key: str) -> Array:
+        return np.asarray(parameter(data, key, np.nan).values, dtype=float)
+
+    defaults = {name: default(name, value) for name in found if name in FOLLOWS}
+    followers = [name for name in defaults if np.allclose(found[name], defaults[name], rtol=1e-12, atol=0.0)]
     keys = [Key(name, values) for name, values in found.items() if name not in followers]
     return [key for key in keys if key.levels.size > 1]
 

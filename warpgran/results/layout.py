@@ -89,7 +89,7 @@ class Layout:
         samples = Samples(cases, t, dict(zip(SCALARS, np.moveaxis(finished.scalars, 2, 0), strict=True)))
         rows |= series(samples)
         speeds = zip(samples.scalars["v_flow"], cases, strict=True)
-        rows["stop_time"] = np.array([stop_time(t, v_flow, case.time.rest_speed) for v_flow, case in speeds])
+        rows["stop_time"] = np.array([stop_time(t, v_flow, case.rest_speed) for v_flow, case in speeds])
         rows |= {"status": finished.status, "steps": finished.steps, "end_time": finished.end_time}
         words = [str(finished.failures[r]) if r in finished.failures else "" for r in range(len(cases))]
         rows["failure"] = np.array([word.encode() for word in words], dtype=FAILURE)

@@ -42,7 +42,7 @@ def volume_change(samples: Samples) -> Array:
 def _initial_volume(case: Case) -> float:
     """Volume per unit width [m2] of the cells that start thicker than h_front; NaN if there are none."""
     h, _ = case.initial_state()
-    return float(h[h > case.scheme.h_front].sum() * case.dx) or float("nan")
+    return float(h[h > case.h_front].sum() * case.dx) or float("nan")
 
 
 DERIVED: dict[str, Callable[[Samples], Array]] = {"front_speed": front_speed, "volume_change": volume_change}

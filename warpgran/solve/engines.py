@@ -100,7 +100,7 @@ def _run_one(case: Case, go_on: GoOn) -> Finished:
             break
         values = run.scalars()
         rest = sample >= 0 and k > 0 and case.time.stop_at_rest
-        rest = rest and values["v_flow"] < case.time.rest_speed and values["v_flow"] <= speed
+        rest = rest and values["v_flow"] < case.rest_speed and values["v_flow"] <= speed
         if sample >= 0:
             scalars[0, sample : None if rest else sample + 1] = [values[name] for name in SCALARS]
             speed = values["v_flow"]
