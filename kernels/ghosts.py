@@ -1,7 +1,9 @@
-"""Periodic ends: the interfaces on the left of cell 0 and on the right of the last cell are one and the same.
+"""Ghost cells, as both schemes set them.
 
-Each ghost cell is a copy of the cell at the other end, so that both interfaces are computed from the same numbers, to
-the same bits.
+A wall mirrors the cell at the end. An open end copies it, or mirrors it where it flows into the grid, so that nothing
+flows in. With periodic ends the interfaces on the left of cell 0 and on the right of the last cell are one and the
+same: each ghost cell is a copy of the cell at the other end, so that both are computed from the same numbers, to the
+same bits.
 """
 
 import functools
@@ -13,8 +15,21 @@ from warpgran.kernels.precision import Precision
 
 
 @functools.cache
+def make_beyond(kinds: Precision) -> Any:
+    """The function of a precision that tells the velocity beyond an end."""
+    Real = kinds.Real
+
+    @wp.func
+    def beyond(v: Real, outward: Real, v_factor: Real) -> Real:
+        """Velocity [m/s] beyond an end. outward: 1 at the right end, -1 at the left; v_factor: -1 wall, 1 open."""
+        return wp.where(v_factor < Real(0.0), -v, outward * wp.abs(v))
+
+    return beyond
+
+
+@functools.cache
 def make_wrap(kinds: Precision) -> Any:
-    """The function of a precision that sets the ghost cells of an array."""
+    """The function of a precision that sets the ghost cells of an array of a run with periodic ends."""
     A, RunParams = kinds.Array, kinds.RunParams
 
     @wp.func

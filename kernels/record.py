@@ -16,7 +16,10 @@ from warpgran.kernels.precision import DRY, Doubles, Ints, Precision
 
 
 class Place(IntEnum):
-    """Where each scalar stands in a sample. v_flow and volume count only the cells thicker than h_front."""
+    """Where each scalar stands in a sample.
+
+    v_flow and volume count only the cells whose compacted thickness phi h/phi_stat exceeds h_front.
+    """
 
     FRONT = 0  # m
     H_MAX = 1  # m
@@ -73,21 +76,28 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Record:
         return p.cells
 
     @wp.func
-    def front(h: A, last: int, x_left: wp.float64, p: RunParams) -> wp.float64:
-        """Largest x [m] where h falls through h_front, linear between centres; left end of the grid if nowhere.
+    def compacted(h: A, phi: A, i: int, p: RunParams) -> wp.float64:
+        """Thickness [m] that the solid of an element would have at phi_stat."""
+        return wp.float64(phi[i]) * wp.float64(h[i]) / wp.float64(p.phi_stat)
 
-        last: the last cell thicker than h_front, negative if there is none.
+    @wp.func
+    def front(h: A, phi: A, last: int, x_left: wp.float64, p: RunParams) -> wp.float64:
+        """Largest x [m] where the compacted thickness falls through h_front; left end of the grid if nowhere.
+
+        Linear between centres. last: the last cell that exceeds h_front, negative if there is none.
         """
         if last < 0:
             return x_left
         at = wp.float64(last) + half
         if last < p.cells - 1:
-            h_i = wp.float64(h[p.row + last])
-            at += (h_i - wp.float64(p.h_front)) / (h_i - wp.float64(h[p.row + last + 1]))
+            h_c = compacted(h, phi, p.row + last, p)
+            at += (h_c - wp.float64(p.h_front)) / (h_c - compacted(h, phi, p.row + last + 1, p))
         return x_left + at * wp.float64(p.dx)
 
     @wp.func
-    def measure(U0: A, h: A, v: A, bhat: A, lo: int, hi: int, x_left: wp.float64, lane: int, p: RunParams) -> Sample:
+    def measure(
+        U0: A, h: A, v: A, phi: A, bhat: A, lo: int, hi: int, x_left: wp.float64, lane: int, p: RunParams
+    ) -> Sample:  # fmt: skip
         """The scalars of a run, summed in float64: by each lane from left to right, then over the lanes."""
         h_max = zero
         v_max = zero
@@ -105,7 +115,7 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Record:
             m_i = wp.float64(U0[p.row + i])
             h_max = wp.max(h_max, h_i)
             v_max = wp.max(v_max, wp.abs(v_i))
-            if h[p.row + i] > p.h_front:
+            if compacted(h, phi, p.row + i, p) > wp.float64(p.h_front):
                 v_flow = wp.max(v_flow, wp.abs(v_i))
                 volume += h_i
                 last = i
@@ -116,7 +126,7 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Record:
             i += wp.block_dim()
         dx = wp.float64(p.dx)
         sample = Sample()
-        sample[Place.FRONT] = front(h, most(last), x_left, p)
+        sample[Place.FRONT] = front(h, phi, most(last), x_left, p)
         sample[Place.H_MAX] = most(h_max)
         sample[Place.V_MAX] = most(v_max)
         sample[Place.V_FLOW] = most(v_flow)
@@ -182,7 +192,7 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Record:
         elif sample_at[at_output] >= 0:
             at = (run * samples + sample_at[at_output]) * _SCALARS
             end = at + _SCALARS
-            sample = measure(U0, h, v, bhat, lo[run], hi[run], x_left[run], lane, p)
+            sample = measure(U0, h, v, phi, bhat, lo[run], hi[run], x_left[run], lane, p)
             if at_output > 0 and at_rest(sample[Place.V_FLOW], v_flow_before, p):
                 ended = _AT_REST
                 after = outputs  # what it is now is what it will be at all later times

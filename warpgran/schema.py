@@ -57,12 +57,14 @@ FIELDS = {
 }
 
 SERIES = {
-    "front": Variable(("run", "sample"), "m", "front position, where h falls through h_front"),
+    "front": Variable(("run", "sample"), "m", "front position, where the compacted thickness falls through h_front"),
     "front_speed": Variable(("run", "sample"), "m s-1", "front speed"),
     "h_max": Variable(("run", "sample"), "m", "maximum thickness"),
     "v_max": Variable(("run", "sample"), "m s-1", "maximum speed, however thin the flow"),
-    "v_flow": Variable(("run", "sample"), "m s-1", "maximum speed where the flow is thicker than h_front"),
-    "volume_change": Variable(("run", "sample"), "1", "relative change of the volume thicker than h_front"),
+    "v_flow": Variable(("run", "sample"), "m s-1", "maximum speed where the compacted thickness exceeds h_front"),
+    "volume_change": Variable(
+        ("run", "sample"), "1", "relative change of the volume that h_front marks"
+    ),
     "mass": Variable(("run", "sample"), "m2", "volume of solid per unit width"),
     "energy": Variable(("run", "sample"), "m4 s-2", "energy (2.7) per unit width and grain density"),
 }

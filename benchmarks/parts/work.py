@@ -75,7 +75,7 @@ def column(cells: int, window: bool, changes: Mapping[str, Any] | None = None) -
     One output by default, later than is reached.
     """
     values: dict[str, Any] = {"grid.right": 0.8, "grid.cells": cells, "scheme.window": window}
-    values |= {"time.end": 10.0, "time.snapshots": [10.0], "time.series": []}
+    values |= {"time.end": 10.0, "time.snapshots": [10.0], "time.series": [], "scheme.order": 1}
     return Case().with_(**(values | dict(changes or {})))
 
 

@@ -1,6 +1,7 @@
 """The two ends of the grid: ghost cells, one thread a run.
 
-A wall mirrors the cell at the end, an open end copies it; periodic ends: ../ghosts.py. There the state U of the right
+A wall mirrors the cell at the end. An open end copies it, or mirrors it where it flows into the grid, so that nothing
+flows in. Periodic ends: ../ghosts.py. There the state U of the right
 ghost cell is computed with the others and means nothing: what is read of it is wrapped first.
 """
 
@@ -8,7 +9,7 @@ from typing import Any, NamedTuple
 
 import warp as wp
 
-from warpgran.kernels.ghosts import make_wrap
+from warpgran.kernels.ghosts import make_beyond, make_wrap
 from warpgran.kernels.precision import Ints, Variant, precision
 
 
@@ -30,10 +31,12 @@ def _apart(variant: Variant, module: Any) -> FirstEnds:
     kinds = precision(variant.precision)
     Real, A, Params = kinds.Real, kinds.Array, kinds.Params
 
+    beyond = make_beyond(kinds)
+
     @wp.func
-    def set_ghost(h: A, v: A, phi: A, mu: A, per_mass: A, celerity: A, ghost: int, cell: int, v_factor: Real):
+    def set_ghost(h: A, v: A, phi: A, mu: A, per_mass: A, celerity: A, ghost: int, cell: int, v_ghost: Real):
         h[ghost] = h[cell]
-        v[ghost] = v_factor * v[cell]
+        v[ghost] = v_ghost
         phi[ghost] = phi[cell]
         mu[ghost] = -mu[cell]
         per_mass[ghost] = per_mass[cell]
@@ -53,8 +56,12 @@ def _apart(variant: Variant, module: Any) -> FirstEnds:
         run = wp.tid()
         p = params[run]
         if active[run] != 0:
-            set_ghost(h, v, phi, mu, per_mass, celerity, p.row - 1, p.row, p.v_left)
-            set_ghost(h, v, phi, mu, per_mass, celerity, p.row + p.cells, p.row + p.cells - 1, p.v_right)
+            first = p.row
+            last = p.row + p.cells - 1
+            v_before = beyond(v[first], Real(-1.0), p.v_left)
+            v_after = beyond(v[last], Real(1.0), p.v_right)
+            set_ghost(h, v, phi, mu, per_mass, celerity, first - 1, first, v_before)
+            set_ghost(h, v, phi, mu, per_mass, celerity, last + 1, last, v_after)
 
     return FirstEnds(None, after_fill, None)
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import warp as wp
 
-from warpgran.kernels.ghosts import make_wrap
+from warpgran.kernels.ghosts import make_beyond, make_wrap
 from warpgran.kernels.precision import Ints, Variant, precision
 
 
@@ -32,10 +32,7 @@ def _apart(variant: Variant, module: Any) -> SecondEnds:
     Real, A, Params = kinds.Real, kinds.Array, kinds.Params
     zero = Real(0.0)
 
-    @wp.func
-    def beyond(v: Real, outward: Real, v_factor: Real) -> Real:
-        """Velocity [m/s] beyond an end. outward: 1 at the right end, -1 at the left; v_factor: -1 wall, 1 open."""
-        return wp.where(v_factor < zero, -v, outward * wp.abs(v))
+    beyond = make_beyond(kinds)
 
     @wp.kernel(module=module)
     def after_drive(

@@ -60,14 +60,12 @@ def test_defaults_are_the_papers_table_1_and_the_schemes() -> None:
         "scheme.left": "wall",
         "scheme.right": "open",
         "scheme.window": True,
-        "scheme.order": 1,
     }
 
 
 def test_the_defaults_of_order_1_are_the_papers() -> None:
     first, second = Case().with_(**{"scheme.order": 1}).flat(), Case().flat()
     assert {key: value for key, value in first.items() if value != second[key]} == {
-        "scheme.order": 1,
         "scheme.start": None,
         "scheme.lambda": 0.0,
         "scheme.relaxation": "rational",
@@ -94,7 +92,6 @@ def test_defaults_follow_what_they_depend_on() -> None:
 def test_numpy_numbers_are_numbers() -> None:
     case = Case().with_(
         **{
-            "scheme.order": 1,
             "slope.angle": np.int64(16),
             "column.phi": np.float32(0.5),
             "scheme.xi": np.ones(3),

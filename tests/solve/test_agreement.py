@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import EVERY_ENGINE, Ran, drawn, ran, small
+from helpers.cases import EVERY_ENGINE, FIRST, Ran, drawn, ran, small
 
 from warpgran.case.case import Case
 from warpgran.physics.state import decode
@@ -100,7 +100,7 @@ def test_numbers_of_an_independent_implementation(
     engine: str, angle: float, changes: dict[str, Any], rows: list[tuple[float, int | None, str]]
 ) -> None:
     grid = {"grid.right": 0.6, "grid.cells": 800} if angle == 0.0 else {"grid.right": 1.4, "grid.cells": 1600}
-    case = Case().with_(**{"slope.angle": angle, **grid, **changes})
+    case = Case().with_(**{**FIRST, "slope.angle": angle, **grid, **changes})
     done = ran(engine, case, [0.0, *(t for t, _, _ in rows)])
     scalars = done.scalars
     for k, (_, steps, expected) in enumerate(rows, start=1):

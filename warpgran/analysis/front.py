@@ -10,9 +10,15 @@ from warpgran.arrays import Array
 
 
 def thick(data: xr.Dataset) -> xr.DataArray:
-    """Where the material is thicker than h_front: what counts as the mass, and what velocity and phi are shown of."""
-    found: xr.DataArray = data["h"] > parameter(data, "scheme.h_front")
+    """Where there is more than h_front: what counts as the mass, and what velocity and phi are shown of."""
+    found: xr.DataArray = compacted(data) > parameter(data, "scheme.h_front")
     return found
+
+
+def compacted(data: xr.Dataset) -> xr.DataArray:
+    """Compacted thickness phi h/phi_stat [m]: what the solid of a cell would be thick at phi_stat."""
+    h_c: xr.DataArray = data["phi"] * data["h"] / parameter(data, "rheology.phi_stat")
+    return h_c
 
 
 def front(x: Array, h: Array, level: float) -> float:

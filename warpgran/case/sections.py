@@ -200,7 +200,7 @@ class Scheme(Model):
 
     order: StrictInt = declare(2, "order", allowed="1 or 2", ge=1, le=2)
     """Order of accuracy: 2, or 1 for the scheme of the paper."""
-    start: StrictInt = declare(2, "start levels", order=2, ge=0, le=10)
+    start: StrictInt = declare(0, "start levels", order=2, ge=0, le=10)
     """The first moments of a run are computed on cells 2^start times smaller; 0 for none."""
     alpha: StrictFloat = declare(2.0, "exponent", r"\alpha", gt=1, le=10)
     """Exponent of the third conserved quantity, phi^alpha h."""
@@ -235,15 +235,13 @@ class Scheme(Model):
     h_front: StrictFloat | None = declare(
         None, "front thickness", r"h_\mathrm{front}", unit="m", display=MM, unset="two grain diameters", gt=0
     )
-    """Thickness that marks the front; the volume counts what is thicker."""
+    """Compacted thickness phi h/phi_stat that marks the front; the volume counts what is thicker."""
     left: _End = declare("wall", "left boundary")
     """Left boundary; periodic only together with the right one."""
     right: _End = declare("open", "right boundary")
     """Right boundary."""
     window: StrictBool = declare(True, "window")
     """Visit only what is wet. Off gives the same bits, for measuring."""
-    order: Literal[1, 2] = declare(1, "order of the scheme")
-    """Order of accuracy: 1 is the scheme of the paper."""
 
     @property
     def periodic(self) -> bool:

@@ -26,7 +26,7 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.physics.laws import effective_friction, mu_of_I, phi_equilibrium, positive, quotient, shear
-from warpgran.physics.state import DRY, Fields, Run, Sides, with_ghosts
+from warpgran.physics.state import DRY, Fields, Run, Sides, mirrored, with_ghosts
 
 if TYPE_CHECKING:
     from warpgran.case.case import Case
@@ -117,10 +117,10 @@ def suliciu(h: Sides, v: Sides, phi: Sides, case: Case) -> Sides:
 def interface_flux(fields: Fields, Dz: Array, case: Case) -> Flux:
     """Well-balanced two-sided flux (B.31), (B.32) through every interface. Dz: (cells + 1,), m."""
     scheme, g_c, periodic = case.scheme, case.g_c, case.scheme.periodic
-    walls = (-1.0 if kind == "wall" else 1.0 for kind in (scheme.left, scheme.right))
+    mirrors = mirrored(scheme.left, fields.v[0]), mirrored(scheme.right, -fields.v[-1])
     h_l, h_r = with_ghosts(fields.h, periodic=periodic)
     phi_l, phi_r = with_ghosts(fields.phi, periodic=periodic)
-    v_l, v_r = with_ghosts(fields.v, *walls, periodic=periodic)
+    v_l, v_r = with_ghosts(fields.v, *mirrors, periodic=periodic)
 
     head = scheme.lambda_ / g_c  # (B.16)
     z_plus = positive(Dz - head * positive(0.5 * v_l**2 - 0.5 * v_r**2))

@@ -99,16 +99,18 @@ class Run(ABC):
     def scalars(self) -> dict[str, float]:
         """Front [m], h_max [m], v_max and v_flow [m/s], volume and mass [m2], energy [m4/s2], as in the series.
 
-        v_flow (largest speed) and volume count only the cells thicker than h_front; mass is the volume of solid per
-        unit width; energy is (2.7) per rho_s and unit width.
+        The compacted thickness h_c = phi h/phi_stat is what the solid of a cell would be thick at phi_stat. The front
+        is where it falls through h_front; v_flow (largest speed) and volume count only the cells where it is more. mass
+        is the volume of solid per unit width; energy is (2.7) per rho_s and unit width.
         """
         case = self.case
         h, v, phi = self.fields
         rho, g_c = phi * h, case.g_c
-        thick = h > case.scheme.h_front
+        h_c = rho / case.rheology.phi_stat
+        thick = h_c > case.h_front
         energy = rho * (0.5 * v**2 + 0.5 * g_c * h + g_c * case.bhat)
         return {
-            "front": self.front(h),
+            "front": self.front(h_c),
             "h_max": float(h.max()),
             "v_max": float(np.abs(v).max()),
             "v_flow": float(np.abs(v[thick]).max(initial=0.0)),
@@ -117,13 +119,13 @@ class Run(ABC):
             "energy": float(energy.sum() * case.dx),
         }
 
-    def front(self, h: Array) -> float:
-        """Largest x [m] where h falls through h_front, linear between cell centres."""
-        x, level = self.case.x, self.case.scheme.h_front
-        thick = np.flatnonzero(h > level)
+    def front(self, h_c: Array) -> float:
+        """Largest x [m] where the compacted thickness h_c [m] falls through h_front, linear between cell centres."""
+        x, level = self.case.x, self.case.h_front
+        thick = np.flatnonzero(h_c > level)
         if thick.size == 0:
             return float(self.case.grid.left)
         i = thick[-1]
-        if i == h.size - 1:
+        if i == h_c.size - 1:
             return float(x[i])
-        return float(x[i] + (h[i] - level) / (h[i] - h[i + 1]) * self.case.dx)
+        return float(x[i] + (h_c[i] - level) / (h_c[i] - h_c[i + 1]) * self.case.dx)

@@ -34,15 +34,15 @@ def front_speed(samples: Samples) -> Array:
 
 
 def volume_change(samples: Samples) -> Array:
-    """Change of the volume thicker than h_front relative to the initial one [-]; NaN if that is 0."""
+    """Relative change of the volume where the compacted thickness exceeds h_front [-]; NaN if it was 0 at first."""
     volume = np.array([_initial_volume(case) for case in samples.cases])[:, None]
     return samples.scalars["volume"] / volume - 1.0
 
 
 def _initial_volume(case: Case) -> float:
-    """Volume per unit width [m2] of the cells that start thicker than h_front; NaN if there are none."""
-    h, _ = case.initial_state()
-    return float(h[h > case.h_front].sum() * case.dx) or float("nan")
+    """Volume per unit width [m2] of the cells that start with more than h_front, compacted; NaN if there are none."""
+    h, phi = case.initial_state()
+    return float(h[phi * h / case.rheology.phi_stat > case.h_front].sum() * case.dx) or float("nan")
 
 
 DERIVED: dict[str, Callable[[Samples], Array]] = {"front_speed": front_speed, "volume_change": volume_change}

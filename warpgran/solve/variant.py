@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from warpgran.case import sections
 from warpgran.case.case import Case, CaseError, Problem
 from warpgran.kernels.precision import Variant
 
@@ -51,6 +52,8 @@ def variant_of(case: Case, precision_name: str) -> Variant:
     if precision_name == "float32" and alpha > SINGLE_ALPHA:
         message = f"{alpha} is out of range in float32; allowed: > 1 and <= {SINGLE_ALPHA:g}, or float64"
         raise CaseError([Problem("scheme.alpha", message)])
-    values = case.flat()
+    values = {
+        key: sections.KEYS[key].default if value is None else value for key, value in case.flat().items() if key in KEYS
+    }
     chosen = {name: of(*(values[key] for key in keys)) for name, (keys, of) in CHOICES.items()}
     return Variant(**{"precision": precision_name, **chosen})

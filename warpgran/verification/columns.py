@@ -75,7 +75,9 @@ def column(cells_per_length: int, **changes: Any) -> Case:
             "time.end": 4.0,
             "time.snapshots": [4.0],
             "time.series": {"every": 0.02},
+            "time.rest_speed": 1e-3,
             "time.stop_at_rest": True,
+            "scheme.order": 1,
             "scheme.h_front": 5e-3,
             **changes,
         }

@@ -42,8 +42,9 @@ class Collapse:
         """The case on a grid of so many cells."""
         times = list(self.times)
         output = {"time.end": times[-1], "time.snapshots": times, "time.series": times}
+        scheme = {"scheme.order": 1, "scheme.h_front": 1e-3}
         return Case().with_(
-            **{"slope.angle": self.angle, "grid.right": self.right, "grid.cells": cells, **output},
+            **{"slope.angle": self.angle, "grid.right": self.right, "grid.cells": cells, **output, **scheme},
         )
 
 

@@ -67,6 +67,8 @@ def starting_from(h: Array, v: Array | float, phi: Array | float, left: float, r
             "grid.right": right,
             "grid.cells": h.size,
             "time.series": [],
+            "scheme.order": 1,
+            "scheme.h_front": 1e-3,
             "scheme.left": "open",
             "scheme.right": "open",
             **changes,

@@ -119,6 +119,7 @@ def case_at(point: Sequence[float] | np.ndarray, scale: float, precision: str = 
         "grid.left": 0.0,
         "grid.right": right,
         "grid.cells": cells,
+        "scheme.order": 1,
         "scheme.xi": [v["xi1"], v["xi1"] * v["xi2/xi1"], v["xi3"]],
         "scheme.h_min": h_min,
         "scheme.h_bed": v["h_bed/height"] * height,
