@@ -44,7 +44,7 @@ PRECISIONS: tuple[Precision, ...] = get_args(Precision)
 WARM_UP = 20
 ROUNDS = 3
 STEPS = 200
-"""Of a launch that does many."""
+"""Steps of a launch that does many."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,6 @@ import sys
 import time
 from collections.abc import Sequence
 from fnmatch import fnmatch
-from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,12 +26,9 @@ import warpgran as wg
 ROOT = Path(__file__).parents[1]
 COMPUTED = (("warp", "float64"), ("warp", "float32"), ("numpy", "float64"))
 
-read_study: Any = getattr(wg, "read_study", None) or import_module("warpgran.sweep").read_study
-simulate: Any = wg.simulate
-
 
 class Line(NamedTuple):
-    """What is told of one run file, engine and precision.
+    """The digests of one run file, engine and precision.
 
     Attributes:
         runs: How many were computed, and of how many.
@@ -59,12 +55,12 @@ def digest(values: Any, dtype: str) -> str:
     return hashlib.sha256(np.ascontiguousarray(values, dtype=dtype).tobytes()).hexdigest()[:16]
 
 
-def compute(path: Path, engine: str, precision: str) -> Line:
+def compute(path: Path, engine: Any, precision: Any) -> Line:
     """Compute the runs of a file; by the NumPy engine, which is slow, the first and the last alone."""
-    study = read_study(path)
+    study = wg.read_study(path)
     few = engine == "numpy" and len(study) > 2
     cases = [study[0], study[len(study) - 1]] if few else study
-    data = simulate(cases, engine=engine, precision=precision, threads=1)
+    data = wg.simulate(cases, engine=engine, precision=precision, threads=1)
     computed = {str(name): v for name, v in data.data_vars.items() if v.dims[:1] == ("run",) and name != "bed"}
     types = {"f": "<f8", "i": "<i8"}
     digests = {name: digest(v, types[v.dtype.kind]) for name, v in computed.items() if v.dtype.kind in types}
@@ -73,11 +69,11 @@ def compute(path: Path, engine: str, precision: str) -> Line:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Compute what is asked for, tell it, and write it or compare it; 1 if anything differs."""
+    """Compute what is asked for, print it, and write it or compare it; 1 if anything differs."""
     parser = argparse.ArgumentParser(description="Digests of all results of the run files.")
     todo = parser.add_mutually_exclusive_group()
     todo.add_argument("--write", type=Path, metavar="FILE.json", help="write the digests")
-    todo.add_argument("--check", type=Path, metavar="FILE.json", help="compare with these digests, tell what differs")
+    todo.add_argument("--check", type=Path, metavar="FILE.json", help="compare with these digests, print what differs")
     parser.add_argument("--only", default="*", metavar="PATTERN", help="files such as 'runs/dense_*' or '*latin*'")
     parser.add_argument("--engine", choices=("warp", "numpy"))
     parser.add_argument("--precision", choices=("float64", "float32"))

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import re
+import runpy
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from pkgutil import resolve_name
+from xml.etree import ElementTree
 
 import pytest
 from helpers.places import DOCS, ROOT, TESTS
+from helpers.rooms import arrows
 
 import warpgran as wg
 from warpgran.case.key_tables import with_tables
@@ -52,6 +56,24 @@ def test_modules_that_are_named_are_there() -> None:
     assert ("benchmarks/README.md", "warpgran.solve.blocks.plan") in names
     for _, name in names:
         resolve_name(name)
+
+
+def test_the_rooms_are_drawn_as_they_are() -> None:
+    script = runpy.run_path(str(DOCS / "draw_rooms.py"))
+    texts = [
+        element.text for element in ElementTree.parse(script["PICTURE"]).iter() if element.tag.endswith("}description")
+    ]
+    assert [json.loads(text or "") for text in texts] == [script["shown"]()], "run: python docs/draw_rooms.py"
+
+
+def test_the_architecture_names_what_is_there() -> None:
+    page = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    files = re.findall(r"`([\w/]+\.py)`", page)
+    names = re.findall(rf"`((?:{'|'.join(room for room in arrows() if room != 'schema')})(?:\.\w+)+)`", page)
+    assert len(files) > 20 and len(names) > 20
+    assert [file for file in files if not ((ROOT / file).exists() or (ROOT / "warpgran" / file).exists())] == []
+    for name in names:
+        resolve_name(f"warpgran.{name}")
 
 
 def test_the_tables_of_keys_are_those_of_the_code() -> None:

@@ -26,7 +26,7 @@ ARCH = 90
 
 @dataclass(frozen=True)
 class Count:
-    """Of a cell and step.
+    """Counts per cell and step.
 
     Attributes:
         read, written: Arrays.
@@ -58,7 +58,7 @@ def counts(variant: Variant) -> dict[str, Count]:
 
 
 def total(found: dict[str, Count]) -> Count:
-    """Of a whole step."""
+    """The counts of a whole step."""
     return Count(*(sum(column) for column in zip(*map(astuple, found.values()), strict=True)))
 
 

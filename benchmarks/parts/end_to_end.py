@@ -26,7 +26,7 @@ END = 0.3  # s
 
 
 def headline(work: Work) -> Round:
-    """A round that computes a batch from rest to 0.3 s and returns ns per cell-step as a result file tells it."""
+    """A round that computes a batch from rest to 0.3 s and returns ns per cell-step by its attributes."""
     case = column(work.cells, work.window, {"time.end": END, "time.snapshots": [END]})
     layout = Layout(Study.of([case] * work.runs))
     options = Options(precision=work.precision, threads=work.threads)
@@ -88,7 +88,7 @@ def _start_up() -> float:
 
 
 class _Timed:
-    """A sink that tells how long it took to store."""
+    """A sink that measures how long it takes to store."""
 
     def __init__(self, sink: Sink, seconds: list[float]) -> None:
         self.layout, self._sink, self._seconds = sink.layout, sink, seconds

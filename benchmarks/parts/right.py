@@ -18,7 +18,7 @@ TOLERANCE: dict[Precision, float] = {"float64": 1e-10, "float32": 1e-4}
 """Largest difference allowed of h/h0, v/sqrt(g h0) and phi over a short collapse."""
 REPEATS = 3
 CHECKS = 6
-"""Of each precision three."""
+"""Number of checks, three of each precision."""
 
 
 def collapse(end: float = 0.1) -> list[Case]:

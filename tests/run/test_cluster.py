@@ -40,7 +40,7 @@ MEASURED = ("date", "wall_seconds", "kernel_seconds", "threads")
 
 @pytest.fixture(scope="module")
 def client(whole: xr.Dataset) -> Iterator[Any]:
-    """Of two worker processes of one thread each, on this machine; kernels are compiled by then."""
+    """A client of two worker processes of one thread each, on this machine; kernels are compiled by then."""
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None

@@ -1,1 +1,1 @@
-"""The command line: a file per command or group of small commands, and what they share."""
+"""The command line: a file per command, and what the commands share."""

@@ -27,13 +27,14 @@ def progress_bar(amount: str = RUNS, total: float = 1.0) -> Iterator[Show]:
     Yields:
         What moves the bar.
     """
+    if not sys.stderr.isatty():
+        yield lambda done, total, words: None
+        return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn(amount), TimeRemainingColumn())
-    shown, above = console.is_terminal, sys.stdout.isatty()
-    with Progress(*columns, console=console, disable=not shown, redirect_stdout=above) as bar:
+    with Progress(*columns, console=Console(stderr=True), redirect_stdout=sys.stdout.isatty()) as bar:
         task = bar.add_task("preparing kernels", total=total)
 
         def show(done: float, total: float, words: str) -> None:
