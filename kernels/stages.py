@@ -13,10 +13,17 @@ class Over(Enum):
 
 
 class Stage(NamedTuple):
-    """A launch. Each argument of the kernel is the array or number of that name, see the package."""
+    """A launch.
+
+    Attributes:
+        kernel: Each of its arguments is the array or number of that name, see the package.
+        over: What its threads are over.
+        named: Arguments that are an array of another name, since two stages of a scheme share the kernel.
+    """
 
     kernel: Any
     over: Over
+    named: dict[str, str] = {}  # noqa: RUF012
 
 
 class Stages(NamedTuple):
@@ -53,6 +60,6 @@ class Careful(NamedTuple):
     start: Any
 
 
-def launches(*rows: tuple[Any, Over]) -> tuple[Stage, ...]:
-    """Stages of kernels; a kernel is None where a variant does without it."""
-    return tuple(Stage(kernel, over) for kernel, over in rows if kernel is not None)
+def launches(*rows: tuple[Any, ...]) -> tuple[Stage, ...]:
+    """Stages, each given as a tuple; its kernel is None where a variant does without it."""
+    return tuple(Stage(*row) for row in rows if row[0] is not None)

@@ -62,9 +62,7 @@ SERIES = {
     "h_max": Variable(("run", "sample"), "m", "maximum thickness"),
     "v_max": Variable(("run", "sample"), "m s-1", "maximum speed, however thin the flow"),
     "v_flow": Variable(("run", "sample"), "m s-1", "maximum speed where the compacted thickness exceeds h_front"),
-    "volume_change": Variable(
-        ("run", "sample"), "1", "relative change of the volume that h_front marks"
-    ),
+    "volume_change": Variable(("run", "sample"), "1", "relative change of the volume that h_front marks"),
     "mass": Variable(("run", "sample"), "m2", "volume of solid per unit width"),
     "energy": Variable(("run", "sample"), "m4 s-2", "energy (2.7) per unit width and grain density"),
 }

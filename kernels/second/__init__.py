@@ -17,16 +17,16 @@ them (Heun's method), lets friction stop what is left, and relaxes again over dt
 | 1 what is recorded (D) | look.look | U0 U1 U2 | h v phi of the runs that are due |
 | | ../record.record | U h v phi bhat | h_out v_out phi_out scalars of these |
 | 2 time step | ../timestep.time_step | max_speed t times | dt dt_exact |
-| 3 half a relaxation (R), decode (D) | relaxation.relax | U0 U1 U2 dt | U2 q v s_wet |
-| 4 a stage (E), see below | | q v s_wet | F0 E_l E_r F2 SX SP allowance |
-| 5 update, stop (E7, E8), decode (D) | update.end_first | U, fluxes, SX SP allowance q dt | W0 W1 W2 q v s_wet |
-| 6 the stage again | | q v s_wet | F0 E_l E_r F2 SX SP allowance |
+| 3 half a relaxation (R) | relaxation.relax | U0 U1 U2 dt | U2 v phi_wet |
+| 4 a stage (E), see below | | U0 v phi_wet dt | F0 E_l E_r F2 SX SP allowance q |
+| 5 update, stop (E7, E8) | update.end_first | U, fluxes, SX SP allowance q dt | W0 W1 W2 v phi_wet |
+| 6 the stage again | | W0 v phi_wet dt | F0 E_l E_r F2 SX SP allowance q |
 | 7 update, stop, mean, stop, relax (R) | update.end_second | W, fluxes, SX SP allowance q dt, U | U0 U1 U2 max_speed |
 | 8 time | ../clock.tick | dt_exact U0 | t steps status active due lo hi |
 
 | stage | file, kernel | reads | writes |
 |---|---|---|---|
-| dry cells (D), rheology (E1) | cells.cells | q v s_wet | s c mu |
+| unknowns (D), friction (E1) | cells.cells | U0 or W0, v phi_wet | q s c mu |
 | drive at interfaces (E2) | drive.drive | q s v mu drop dt | X P share hold unused |
 | slopes of the drive (E3) | slopes.slopes | X P unused dt | SX SP allowance |
 | values at faces (E4) | faces.faces | q s v c | q_L q_R s_L s_R v_L v_R c_L c_R |
@@ -38,15 +38,16 @@ fastest wave, which later steps find at their end.
 Stable under dt <= cfl dx/max(|v| + sqrt(g_c h)), cfl <= 1/2. No mass is negative and phi keeps its bounds: no more than
 half of a cell's mass leaves through a face.
 
-Cells: q [m], v [m/s], s, c = s^(2 (alpha - 1)); s_wet: s, 0 in dry cells; mu: effective friction; W: the state between
-the stages; SX, SP: slopes of -X and P [m]; allowance: velocity that unused friction may still take [m/s]. Faces: `_L`,
-`_R` are the left and the right face of a cell. Interfaces: drop: jump of the total bed [m]; share: of the left cell in
-the mass of both; hold: bound on the jump that remains [m]; unused: friction coefficient that X has not used up; F0, F2:
-fluxes of U0 and U2; E_l, E_r: of U1, less the pressure of the left and the right side.
+Cells: q [m], v [m/s], s, c = s^(2 (alpha - 1)); phi_wet: phi, 0 in dry cells; mu: effective friction; W: the state
+between the stages; SX, SP: slopes of -X and P [m]; allowance: velocity that unused friction may still take [m/s].
+Faces: `_L`, `_R` are the left and the right face of a cell.
+Interfaces: drop: jump of the total bed [m]; share: of the left cell in the mass of both; hold: bound on the jump that
+remains [m]; unused: friction coefficient that X has not used up; F0, F2: fluxes of U0 and U2; E_l, E_r: of U1, less the
+pressure of the left and the right side.
 """
 
 ARRAYS = (
-    "U0", "U1", "U2", "W0", "W1", "W2", "q", "s_wet", "s", "v", "c", "mu", "X", "P", "share", "hold", "unused", "SX",
+    "U0", "U1", "U2", "W0", "W1", "W2", "v", "phi_wet", "q", "s", "c", "mu", "X", "P", "share", "hold", "unused", "SX",
     "SP", "allowance", "q_L", "q_R", "s_L", "s_R", "v_L", "v_R", "c_L", "c_R", "F0", "E_l", "E_r", "F2", "drop", "bhat",
     "h", "phi",
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""s and c of all cells, those of dry ones from their neighbours (D), and the friction coefficient (E1)."""
+"""q, s, c of all cells, where dry ones take phi from their neighbours (D), and the friction coefficient (E1)."""
 
 from typing import Any
 
@@ -20,28 +20,30 @@ def make(variant: Variant, laws: Laws, rheology: SecondRheology, module: Any) ->
     @wp.kernel(module=module)
     def cells(
         # inputs
-        q: A, v: A, s_wet: A,
+        mass: A, v: A, phi_wet: A,
         # per run
         params: Params, lo: Ints, hi: Ints, active: Ints, chunks: int,
         # outputs
-        s: A, c: A, mu: A,
+        q: A, s: A, c: A, mu: A,
     ):  # fmt: skip
-        """s, c = s^(2a), mu; a dry cell has the larger s of its wet neighbours, sqrt(phi_stat) without any."""
+        """q [m], s, c, mu of a state with phi h = mass [m]; a dry cell has the larger phi of its neighbours (3.14)."""
         thread = wp.tid()
         run = run_of(thread, chunks)
         p = params[run]
         left = before_first(thread, chunks, p.row, lo[run], hi[run])
         end = end_of(thread, chunks, p.row, lo[run], hi[run], active[run]) - 1
-        s_stat = wp.sqrt(p.phi_stat)
         while left < end:
             i = left + 1
-            own = s_wet[i]
-            beside = wp.max(s_wet[left], s_wet[left + 2])
-            s_i = wp.where(own > zero, own, wp.where(beside > zero, beside, s_stat))
-            phi = s_i * s_i
+            own = phi_wet[i]
+            beside = wp.max(phi_wet[left], phi_wet[left + 2])
+            wet = own > zero
+            phi = wp.where(wet, own, wp.where(beside > zero, beside, p.phi_stat))
+            h, mu_i = friction(wp.where(wet, mass[i], zero), v[i], phi, p)
+            s_i = wp.sqrt(phi)
+            q[i] = s_i * h
             s[i] = s_i
             c[i] = power(phi, p)
-            mu[i] = friction(q[i] * s_i, v[i], phi, p)
+            mu[i] = mu_i
             left += wp.block_dim()
 
     return cells

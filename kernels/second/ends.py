@@ -34,6 +34,21 @@ def _apart(variant: Variant, module: Any) -> SecondEnds:
 
     beyond = make_beyond(kinds)
 
+    @wp.func
+    def copy(q: A, s: A, c: A, cell: int, ghost: int):
+        """Make a ghost cell equal to a cell, but for its velocity."""
+        q[ghost] = q[cell]
+        s[ghost] = s[cell]
+        c[ghost] = c[cell]
+
+    @wp.func
+    def take(X: A, P: A, hold: A, unused: A, inner: int, end: int):
+        """Let the interface at an end take X, P, unused of the next one (E2); its jump is 0 (E6), by hold = 0."""
+        X[end] = X[inner]
+        P[end] = P[inner]
+        unused[end] = unused[inner]
+        hold[end] = zero
+
     @wp.kernel(module=module)
     def after_drive(
         # per run
@@ -41,41 +56,38 @@ def _apart(variant: Variant, module: Any) -> SecondEnds:
         # outputs
         q: A, s: A, v: A, c: A, X: A, P: A, hold: A, unused: A,
     ):  # fmt: skip
-        """Ghost cells, for differences of s, v, c; X, P, unused of the next interfaces; J = 0, by hold = 0."""
+        """Ghost cells, for the differences of s, v, c across the ends (E4); the interfaces at the ends."""
         run = wp.tid()
         if active[run] == 0:
             return
         p = params[run]
         first = p.row
         last = p.row + p.cells - 1
-        for at_right in range(2):
-            cell = wp.where(at_right == 1, last, first)
-            ghost = wp.where(at_right == 1, last + 1, first - 1)
-            interface = wp.where(at_right == 1, last + 1, first)
-            inner = wp.where(at_right == 1, last, first + 1)
-            q[ghost] = q[cell]
-            s[ghost] = s[cell]
-            c[ghost] = c[cell]
-            v[ghost] = wp.where(at_right == 1, p.v_right, p.v_left) * v[cell]
-            X[interface] = X[inner]
-            P[interface] = P[inner]
-            unused[interface] = unused[inner]
-            hold[interface] = zero
+        copy(q, s, c, first, first - 1)
+        copy(q, s, c, last, last + 1)
+        v[first - 1] = p.v_left * v[first]
+        v[last + 1] = p.v_right * v[last]
+        take(X, P, hold, unused, first + 1, first)
+        take(X, P, hold, unused, last, last + 1)
 
     @wp.kernel(module=module)
     def after_faces(
         # per run
         params: Params, active: Ints,
         # outputs
-        q_L: A, q_R: A, s_L: A, s_R: A, v_L: A, v_R: A, c_L: A, c_R: A,
+        SX: A, SP: A, q_L: A, q_R: A, s_L: A, s_R: A, v_L: A, v_R: A, c_L: A, c_R: A,
     ):  # fmt: skip
-        """The faces of the ghost cells toward the grid."""
+        """The faces of the ghost cells toward the grid (E6); these cells have no slopes."""
         run = wp.tid()
         if active[run] == 0:
             return
         p = params[run]
         first = p.row
         last = p.row + p.cells - 1
+        SX[first - 1] = zero
+        SP[first - 1] = zero
+        SX[last + 1] = zero
+        SP[last + 1] = zero
         q_R[first - 1] = q_L[first]
         s_R[first - 1] = s_L[first]
         c_R[first - 1] = c_L[first]
@@ -99,12 +111,12 @@ def _periodic(variant: Variant, module: Any) -> SecondEnds:
         # per run
         params: Params, active: Ints,
         # outputs
-        s_wet: A,
+        phi_wet: A,
     ):  # fmt: skip
         """Ghost cells of what the dry cells are filled from."""
         run = wp.tid()
         if active[run] != 0:
-            wrap(s_wet, params[run])
+            wrap(phi_wet, params[run])
 
     @wp.kernel(module=module)
     def after_cells(

@@ -1,4 +1,4 @@
-"""Dilatancy over dt/2 at the beginning of a step (R), and what the state decodes to (D)."""
+"""Dilatancy over dt/2 at the beginning of a step (R), and v and phi of wet cells (D)."""
 
 from typing import Any
 
@@ -23,9 +23,9 @@ def make(variant: Variant, rheology: SecondRheology, module: Any) -> Any:
         # per run
         params: Params, lo: Ints, hi: Ints, active: Ints, chunks: int,
         # outputs
-        U2: A, q: A, v: A, s_wet: A,
+        U2: A, v: A, phi_wet: A,
     ):  # fmt: skip
-        """U2 after dt/2 of dilatancy, in place, and q [m], v [m/s], s of the state; they are 0 in dry cells."""
+        """U2 after dt/2 of dilatancy, in place; v [m/s] and phi, 0 in dry cells."""
         thread = wp.tid()
         run = run_of(thread, chunks)
         p = params[run]
@@ -38,11 +38,9 @@ def make(variant: Variant, rheology: SecondRheology, module: Any) -> Any:
             wet = is_wet(U0_i, U2_i)
             mass = wp.where(wet, U0_i, one)
             v_i, phi, U2_new = relaxed(mass, U1[i], wp.where(wet, U2_i, one), tau, p)
-            s = wp.sqrt(phi)
             U2[i] = wp.where(wet, U2_new, U2_i)
-            q[i] = wp.where(wet, mass / s, zero)
             v[i] = wp.where(wet, v_i, zero)
-            s_wet[i] = wp.where(wet, s, zero)
+            phi_wet[i] = wp.where(wet, phi, zero)
             i += wp.block_dim()
 
     return relax

@@ -51,8 +51,8 @@ def make(variant: Variant, laws: Laws) -> SecondRheology:
         return shear * phi * p.d, load * wp.sqrt(p.g_c * load)
 
     @wp.func
-    def friction(m: Real, v: Real, phi: Real, p: RunParams) -> Real:
-        """Effective friction coefficient (E1) of m = phi h [m], v [m/s], phi; its three quotients by one division."""
+    def friction(m: Real, v: Real, phi: Real, p: RunParams):
+        """h [m] and the effective friction coefficient (E1) of m = phi h [m], v [m/s], phi; by one division."""
         num, den = inertia(Real(2.5) * wp.abs(v), phi, wp.max(m, phi * p.h_min), p)
         top, bottom = phi_equilibrium(num, den, p)
         scale = num + p.I0 * den
@@ -60,7 +60,7 @@ def make(variant: Variant, laws: Laws) -> SecondRheology:
         per_both = per_all * phi
         h = m * (bottom * scale * per_all)
         mu_I = p.mu1 + p.dmu * num * (bottom * per_both)
-        return friction_of(mu_I, phi, top * (scale * per_both), h, p)
+        return h, friction_of(mu_I, phi, top * (scale * per_both), h, p)
 
     @wp.func
     def equilibrium(shear: Real, phi: Real, load: Real, p: RunParams) -> Real:

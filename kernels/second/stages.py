@@ -29,9 +29,8 @@ def make(variant: Variant, careful: Careful, lanes: Lanes, module: Any) -> Stage
     at_point = rheology.make(variant, law)
     ghosts = ends.make(variant, module)
     finish = update.make(variant, at_point, limit, lanes, module)
+    at_cells = cells.make(variant, law, at_point, module)
     interfaces = launches(
-        (ghosts.after_decode, Over.RUNS),
-        (cells.make(variant, law, at_point, module), Over.CELLS),
         (ghosts.after_cells, Over.RUNS),
         (drive.make(variant, limit, module).drive, Over.CELLS),
         (ghosts.after_drive, Over.RUNS),
@@ -45,9 +44,17 @@ def make(variant: Variant, careful: Careful, lanes: Lanes, module: Any) -> Stage
         look=launches((look.make(variant, at_point, module), Over.CELLS), (careful.record, Over.LANES)),
         choose=launches((careful.time_step, Over.RUNS)),
         advance=(
-            *launches((relaxation.make(variant, at_point, module), Over.CELLS)),
+            *launches(
+                (relaxation.make(variant, at_point, module), Over.CELLS),
+                (ghosts.after_decode, Over.RUNS),
+                (at_cells, Over.CELLS, {"mass": "U0"}),
+            ),
             *interfaces,
-            *launches((finish.end_first, Over.CELLS)),
+            *launches(
+                (finish.end_first, Over.CELLS),
+                (ghosts.after_decode, Over.RUNS),
+                (at_cells, Over.CELLS, {"mass": "W0"}),
+            ),
             *interfaces,
             *launches((finish.end_second, Over.CELLS)),
         ),

@@ -41,13 +41,13 @@ def make(variant: Variant, rheology: SecondRheology, limiter: Limiter, lanes: La
     @wp.kernel(module=module)
     def end_first(
         # inputs
-        U0: A, U1: A, U2: A, F0: A, E_l: A, E_r: A, F2: A, SX: A, SP: A, allowance: A, dt: A,
+        U0: A, U1: A, U2: A, F0: A, E_l: A, E_r: A, F2: A, SX: A, SP: A, allowance: A, q: A, dt: A,
         # per run
         params: Params, lo: Ints, hi: Ints, active: Ints, chunks: int,
         # outputs
-        W0: A, W1: A, W2: A, q: A, v: A, s_wet: A,
+        W0: A, W1: A, W2: A, v: A, phi_wet: A,
     ):  # fmt: skip
-        """The state W that the first stage leaves, and what it decodes to; 0 in dry cells. q: in place."""
+        """The state W that the first stage leaves, and its v [m/s] and phi, 0 in dry cells."""
         thread = wp.tid()
         run = run_of(thread, chunks)
         p = params[run]
@@ -64,13 +64,11 @@ def make(variant: Variant, rheology: SecondRheology, limiter: Limiter, lanes: La
             wet = is_wet(W0_i, W2_i)
             mass = wp.where(wet, W0_i, one)
             v_i, phi = motion(mass, W1_i, wp.where(wet, W2_i, one), p)
-            s = wp.sqrt(phi)
             W0[i] = W0_i
             W1[i] = W1_i
             W2[i] = W2_i
-            q[i] = wp.where(wet, mass / s, zero)
             v[i] = wp.where(wet, v_i, zero)
-            s_wet[i] = wp.where(wet, s, zero)
+            phi_wet[i] = wp.where(wet, phi, zero)
             i += wp.block_dim()
 
     @wp.kernel(module=module)

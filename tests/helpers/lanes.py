@@ -42,10 +42,15 @@ OTHER = {
     "scheme.h_min": 2e-3,
     "scheme.viscosity": "paper", "scheme.h_bed": 1e-4, "scheme.left": "periodic", "scheme.right": "periodic",
 }  # fmt: skip
+SECOND: dict[str, Any] = {"scheme.order": 2}
+OTHER_SECOND = {"scheme.alpha": 3.0, "rheology.phi_eq": "f1", "scheme.left": "periodic", "scheme.right": "periodic"}
 WAYS: list[tuple[str, dict[str, Any], tuple[str, ...]]] = [
     ("float64", {}, tuple(SHAPES)),
     ("float32", {}, ("plain loop", "64 lanes")),
     ("float64", OTHER, ("plain loop", "64 lanes")),
+    ("float64", SECOND, ("plain loop", "32 lanes", "64 lanes")),
+    ("float32", SECOND, ("plain loop", "256 lanes")),
+    ("float64", {**SECOND, **OTHER_SECOND}, ("plain loop", "64 lanes")),
 ]
 """Precision, changes of all cases, and shapes to compute them with."""
 
@@ -54,7 +59,7 @@ def cases(changes: dict[str, Any]) -> list[Case]:
     """One that runs through, one at rest, one out of steps, one that diverges if it can, and one on a wet bed."""
     times = {"time.end": 0.06, "time.snapshots": [0.02, 0.06], "time.series": {"every": 0.01}}
     full: dict[str, Any] = {"column.length": 0.8, "slope.angle": 0.0, "time.stop_at_rest": True}
-    full |= {} if changes else {"scheme.right": "wall"}
+    full |= {} if "scheme.right" in changes else {"scheme.right": "wall"}
     each: list[dict[str, Any]] = [{"grid.cells": 401}, {"grid.cells": 77, **full}, {"time.step_limit": 30},
             {"scheme.h_bed": 0.0, "rheology.K": 0.0},
             {"scheme.h_bed": 1e-3, "scheme.window": False, "slope.angle": -5.0}]  # fmt: skip

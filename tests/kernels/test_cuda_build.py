@@ -18,12 +18,21 @@ OTHER = {
     "alpha_two": False, "lambda_zero": False, "phi_eq": "f0", "relaxation": "exponential", "viscosity": "paper",
     "periodic": True,
 }  # fmt: skip
-VARIANTS: list[dict[str, Any]] = [{}, OTHER, {"phi_eq": "f1"}, {"alpha_two": False, "phi_eq": "f2"}]
-"""Between them every choice of every option; the first two differ in all of them."""
+SECOND = {"order": 2}
+VARIANTS: list[dict[str, Any]] = [
+    {},
+    OTHER,
+    SECOND,
+    {**SECOND, "alpha_two": False, "phi_eq": "f0", "periodic": True},
+    {"phi_eq": "f1"},
+    {"alpha_two": False, "phi_eq": "f2"},
+    {**SECOND, "phi_eq": "f1"},
+    {**SECOND, "phi_eq": "f2"},
+]
+"""Between them every choice of every option; the first two of each order differ in all that it knows."""
 TARGETS = [
-    *((arch, precision, n) for arch in (80, 90, 100) for precision in ("float64", "float32") for n in (0, 1)),
-    (90, "float64", 2),
-    (90, "float32", 3),
+    *((arch, precision, n) for arch in (80, 90, 100) for precision in ("float64", "float32") for n in range(4)),
+    *((90, "float64" if n % 2 else "float32", n) for n in range(4, 8)),
 ]
 """Compute capabilities (of an A100, H100 and B200, without their point), precisions, and variants by number. Every
 kernel in both precisions for all of them; every choice of a law for one."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,13 +11,11 @@ from helpers.cases import at_centres, drawn, small
 
 from warpgran.case.case import Case
 from warpgran.kernels import clock, precision, record
-from warpgran.kernels.first import ARRAYS
+from warpgran.kernels.build import SCHEMES
 from warpgran.physics import first_order, laws, state
 from warpgran.schema import Status
 from warpgran.solve import finished
-from warpgran.solve.schedule import Outputs
 from warpgran.solve.solver import Solver
-from warpgran.solve.variant import variant_of
 
 CELLS = 100
 ENDS = ("scheme.left", "scheme.right")
@@ -32,12 +29,18 @@ def test_constants_of_the_kernels_are_those_of_the_python_side() -> None:
         assert getattr(clock, name) == Status[name]
 
 
-def test_the_arrays_of_a_state_are_those_that_its_kernels_read_and_write() -> None:
-    solver = Solver.holding([small()])
+@pytest.mark.parametrize("order", SCHEMES)
+def test_the_arrays_of_a_state_are_those_that_its_kernels_read_and_write(order: int) -> None:
+    solver = Solver.holding([small(**{"scheme.order": order})])
     state, stages = solver.state, solver.stages
-    names = {name for stage in (*stages.load, *stages.step) for name in inspect.signature(stage.kernel.func).parameters}
-    assert {name for name in names if name != "chunks" and np.size(state.argument(name)) == state.size} == set(ARRAYS)
-    assert len({array.ptr for array in state.arrays.values()}) == len(ARRAYS) == len(state.arrays)
+    names = {
+        stage.named.get(name, name)
+        for stage in (*stages.load, *stages.step)
+        for name in inspect.signature(stage.kernel.func).parameters
+    }
+    arrays = SCHEMES[order].arrays
+    assert {name for name in names if name != "chunks" and np.size(state.argument(name)) == state.size} == set(arrays)
+    assert len({array.ptr for array in state.arrays.values()}) == len(arrays) == len(state.arrays)
 
 
 def rough_case(**changes: Any) -> Case:
@@ -125,89 +128,6 @@ def test_stage_agrees_with_the_reference(name: str, stages: tuple[dict[str, np.n
     assert scale > 0.0
     assert actual.shape == expected.shape
     np.testing.assert_allclose(actual, expected, rtol=1e-11, atol=1e-13 * scale)
-
-
-Bits = list[tuple[np.ndarray, ...]]
-
-
-def bits(cases: Sequence[Case], precision: str = "float64", replay: int | None = None, device: str = "cpu") -> Bits:
-    """The snapshots, scalars and steps of each run."""
-    solver = Solver.holding(cases, precision_name=precision, device=device)
-    while not solver.replay(replay):
-        pass
-    return recorded(solver)
-
-
-def recorded(solver: Solver) -> Bits:
-    state = solver.state
-    profiles = [[field[r, :, :n] for field in state.recorded_profiles()] for r, n in enumerate(state.cells)]
-    return [(*p, s, n) for p, s, n in zip(profiles, state.recorded_scalars(), state.steps.numpy().copy(), strict=True)]
-
-
-def assert_same_bits(a: Bits, b: Bits) -> None:
-    for one, other in zip(a, b, strict=True):
-        for x, y in zip(one, other, strict=True):
-            assert np.isfinite(x).all()
-            np.testing.assert_array_equal(x, y)
-
-
-MIXED: list[dict[str, Any]] = [
-    {},
-    {"grid.cells": 77, "slope.angle": -5.0},
-    {"column.start": 0.1, "column.length": 0.1, "scheme.left": "open"},
-    {"slope.angle": 0.0, "column.phi": 0.55, "grid.cells": 401, "scheme.right": "wall"},
-    {"scheme.h_bed": 1e-4, "rheology.K": 1.0},
-]
-SERIES = {"time.series": {"every": 0.03}}
-
-
-@pytest.mark.parametrize("precision", ["float64", "float32"])
-def test_a_batch_gives_the_bits_of_single_runs(precision: str, device: str) -> None:
-    cases = [small(**SERIES, **changes) for changes in MIXED]
-    batch = bits(cases, precision, device=device)
-    singles = [bits([case], precision, device=device)[0] for case in cases]
-    assert_same_bits(batch, singles)
-    assert len({int(run[-1]) for run in batch}) == len(cases)  # each has its own time step
-
-
-@pytest.mark.parametrize("precision", ["float64", "float32"])
-@pytest.mark.parametrize("changes", MIXED)
-def test_the_window_changes_no_bit(changes: dict[str, Any], precision: str, device: str) -> None:
-    case = small(**{"grid.cells": 300, **SERIES, **changes})
-    full = case.with_(**{"scheme.window": False})
-    assert_same_bits(*(bits([each], precision, device=device) for each in (case, full)))
-
-
-def test_the_window_leaves_out_what_is_dry() -> None:
-    solvers = [Solver.holding([small(**{"grid.cells": 300, "scheme.window": on})]) for on in (True, False)]
-    for solver in solvers:
-        assert solver.replay()
-    limited, full = (int(solver.state.hi.numpy()[0] - solver.state.lo.numpy()[0]) for solver in solvers)
-    assert full == 320
-    assert 150 < limited < 260
-
-
-def test_replays_of_any_length_give_the_same_bits(device: str) -> None:
-    case = small(**SERIES)
-    assert_same_bits(bits([case], device=device), bits([case], replay=7, device=device))
-
-
-def test_a_step_by_hand_gives_the_bits_of_a_replay(device: str) -> None:
-    stepped = Solver.holding([small(**SERIES)], device=device)
-    while stepped.state.active.numpy()[0]:
-        stepped.step()
-    assert_same_bits(bits([small(**SERIES)], device=device), recorded(stepped))
-
-
-@pytest.mark.parametrize("other", [{"grid.cells": 250, "slope.angle": 30.0}, {"scheme.h_bed": 1e-3}])
-def test_a_solver_loaded_again_remembers_nothing(other: dict[str, Any], device: str) -> None:
-    used = Solver(3, 256, variant_of(small(), "float64"), Outputs.of(small(**SERIES)), device)
-    used.load([small(**SERIES, **other)] * 3)
-    assert used.replay()
-    used.load([small(**SERIES)])  # fewer than there is room for
-    assert used.replay()
-    assert_same_bits(recorded(used)[:1], bits([small(**SERIES)], device=device))
-    assert list(used.state.steps.numpy()[1:]) == [0, 0]
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -131,7 +131,7 @@ class Solver:
             Over.RUNS: state.runs,
             Over.LANES: state.runs * self.lanes,
         }
-        for kernel, over in stages:
-            names = inspect.signature(kernel.func).parameters
+        for kernel, over, named in stages:
+            names = [named.get(name, name) for name in inspect.signature(kernel.func).parameters]
             arguments = [self.chunks if name == "chunks" else state.argument(name) for name in names]
             wp.launch(kernel, dim=threads[over], inputs=arguments, device=self.device, block_dim=self.lanes)
