@@ -1,5 +1,6 @@
 """The identity of a case: what changes it and what does not."""
 
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -36,6 +37,7 @@ NO_CHANGES: dict[str, Any] = {
     "column.start": -0.2,
     "scheme.h_min": 3.5e-3,
     "scheme.start": 2,
+    "time.rest_speed": math.nextafter(Case().rest_speed, 1.0),
     "time.snapshots": [0.0, 0.36, 0.72, 1.08, 1.44, 1.8],
     "time.series": {"every": 0.009},
 }

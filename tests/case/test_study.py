@@ -1,6 +1,7 @@
 """Studies: their cases, how they are read from a run file, and runs that are refused."""
 
 import copy
+import math
 import pickle
 import tracemalloc
 from array import array
@@ -137,15 +138,19 @@ def test_a_default_that_follows_a_swept_key_differs_with_it() -> None:
     d = [1e-3, 2e-3]
     study = Case().sweep({"rheology.grain_diameter": d})
     assert study.keys == ("rheology.grain_diameter",)
-    assert study.parameters() == {"rheology.grain_diameter": array("d", d), "scheme.h_min": d}
-    assert [case.h_min for case in study] == d
-    assert Case().with_(**{"scheme.h_min": 1e-3}).sweep({"rheology.grain_diameter": d}).parameters().keys() == {
-        *study.keys
-    }
+    follow = {"scheme.h_min": [5e-3, 1e-2], "scheme.h_front": [2e-3, 4e-3]}
+    assert study.parameters() == {"rheology.grain_diameter": array("d", d), **follow}
+    assert [case.h_min for case in study] == follow["scheme.h_min"]
+    fixed = Case().with_(**{"scheme.h_min": 1e-3, "scheme.h_front": 1e-3})
+    assert fixed.sweep({"rheology.grain_diameter": d}).parameters().keys() == {*study.keys}
     both = Case().sweep({"rheology.grain_diameter": d, "scheme.h_min": [3e-3, 4e-3]}, mode="zip")
     assert both.parameters()["scheme.h_min"] == array("d", [3e-3, 4e-3])
+    orders = Case().sweep({"scheme.order": [1, 2]})
+    assert orders.parameters() == {"scheme.order": (1, 2), "scheme.h_min": pytest.approx([7e-4, 3.5e-3])}
+    steep = Case().sweep({"slope.angle": [0.0, 60.0]}).parameters()["time.rest_speed"]
+    assert steep == pytest.approx([math.sqrt(9.81 * 0.14) * 1e-3, math.sqrt(9.81 * 0.07) * 1e-3])
     listed = Study.of(list(study))
-    assert (listed.keys, listed.parameters()["scheme.h_min"]) == (study.keys, array("d", d))
+    assert (listed.keys, listed.parameters()["scheme.h_min"]) == (study.keys, array("d", [5e-3, 1e-2]))
     ends = {"grid.left": [-0.3, -0.4]}
     assert Case().sweep(ends).parameters()["column.start"] == ends["grid.left"]
     assert Case().with_(**{"column.profile": {"x": [0, 1], "h": [1, 1]}}).sweep(ends).parameters().keys() == ends.keys()

@@ -41,7 +41,9 @@ K = 0.0
 cells = 40
 [time]
 end = 0.1
+series = { every = 0.01 }
 [scheme]
+order = 1
 viscosity = "paper"
 [sweep.over]
 "slope.angle" = [0, 22]

@@ -236,7 +236,7 @@ class Case(Model):
 
     def _value(self, key: str) -> Any:
         """The value of a dotted key, or its default if that follows from other keys."""
-        if key == "column.height":
+        if key == "column.height":  # what follows it follows a profile too
             return self.column.greatest_height
         value = self._given(key)
         return float(default(key, self._value)) if value is None and key in FOLLOWS else value
