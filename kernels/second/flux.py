@@ -37,9 +37,9 @@ def make(variant: Variant, reconstruction: SecondReconstruction, module: Any) ->
         """
         # C_1 impedance_2, so that no division waits for C_1
         product = impedance_1 * impedance_2 + three_halves * rho_1 * wp.max(zero, dp + D * impedance_2)
-        rise = wp.max(zero, D - dp * impedance_2 / wp.max(product, tiny))
+        rise = wp.max(zero, D - dp * impedance_2 / (product + tiny))
         C_2 = impedance_2 + three_halves * rho_2 * wp.where(product > zero, rise, zero)
-        return product / wp.max(impedance_2, tiny), C_2
+        return product / (impedance_2 + tiny), C_2
 
     @wp.func
     def both_speeds(dp: Real, rho_l: Real, impedance_l: Real, rho_r: Real, impedance_r: Real, D: Real):
@@ -60,7 +60,7 @@ def make(variant: Variant, reconstruction: SecondReconstruction, module: Any) ->
         Each side has rho = phi h [m], v [m/s], C = rho S [m2/s], and the most that may flow out of it [m2/s].
         """
         D = v_l - v_r
-        C = wp.max(C_l + C_r, tiny)
+        C = C_l + C_r + tiny
         per_C = one / C
         push = C_l * v_l + C_r * v_r - dp  # C u
         e_l = C_l * per_C * (dp + C_r * D)
@@ -74,10 +74,10 @@ def make(variant: Variant, reconstruction: SecondReconstruction, module: Any) ->
         C_d = wp.where(to_right, C_r, C_l)
         rise = wp.where(to_right, dp, -dp)
         whole = C_u * C - rho_u * (C_d * D + rise)  # 0 if that side holds no mass
-        some = whole > zero
-        F_star = push * (rho_u * C_u) / wp.where(some, whole, one)
-        supersonic = some and rho_u * wp.where(to_right, v_u, -v_u) >= C_u
-        F0 = wp.where(supersonic, rho_u * v_u, F_star)
+        F_star = push * (rho_u * C_u) / (whole + tiny)
+        F_u = rho_u * v_u
+        supersonic = rho_u > zero and wp.where(to_right, F_u, -F_u) >= C_u
+        F0 = wp.where(supersonic, F_u, F_star)
         F0 = wp.where(to_right, wp.min(F0, most_l), wp.max(F0, -most_r))
         speed = wp.where(supersonic, v_u, push * per_C)
         e_l = wp.where(supersonic, wp.where(to_right, zero, dp), e_l)
