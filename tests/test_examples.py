@@ -85,7 +85,11 @@ def test_the_examples_are_found() -> None:
     assert len(COMMANDS) > 30 and len(INLINE) > 4
 
 
-@pytest.mark.parametrize(("path", "block"), BLOCKS, ids=[path.name for path, _ in BLOCKS])
+@pytest.mark.parametrize(
+    ("path", "block"),
+    [pytest.param(*each, marks=pytest.mark.slow if "distributed" in each[1] else ()) for each in BLOCKS],
+    ids=[path.name for path, _ in BLOCKS],
+)
 def test_python_runs(folder: Path, path: Path, block: str) -> None:
     if "distributed" in block:
         distributed = pytest.importorskip("distributed")

@@ -125,6 +125,7 @@ def assert_as_alone(together: xr.Dataset, *alone: xr.Dataset) -> None:
             np.testing.assert_allclose(fields[name], each, rtol=1e-14, err_msg=str(name))
 
 
+@pytest.mark.slow
 def test_runs_of_joined_results_keep_their_own_parameters(tmp_path: Path) -> None:
     a, b = small(**{"rheology.K": 1.0, "slope.angle": 0.0}), small(**{"rheology.phi_eq": "f0"})
     one, other = wg.simulate(a), wg.simulate(b)

@@ -80,6 +80,7 @@ def test_options_reach_the_run(folder: Path) -> None:
     assert data.sizes["time"] == 1
 
 
+@pytest.mark.slow
 def test_plot_and_animate(folder: Path) -> None:
     warpgran("run", "quick.toml", "--no-picture")
     assert warpgran("plot", "quick.h5", "-o", "p.svg").stdout == "wrote p.svg\n"

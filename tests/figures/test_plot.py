@@ -33,6 +33,7 @@ def test_a_batch_is_drawn_together_or_one_run_of_it(tmp_path: Path, monkeypatch:
     assert axes_of(monkeypatch, two_runs(), path) != one
 
 
+@pytest.mark.slow
 @BOTH
 @pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
 def test_nothing_but_the_picture_is_written(data: xr.Dataset, suffix: str, tmp_path: Path) -> None:

@@ -166,6 +166,7 @@ Solver(5000, 1024, variant_of(small(), "float64"), Outputs.of(small()))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="limits the memory of a process in the way of Linux")
 def test_no_room_is_told_with_what_would_fit() -> None:
     done = subprocess.run([sys.executable, "-c", NO_ROOM], capture_output=True, text=True, check=False, cwd=TESTS)

@@ -33,6 +33,7 @@ def test_holds_on_coarse_grids(name: str) -> None:
     assert outcome.figures and all(str(figure.get_label()).endswith(".") for figure in outcome.figures.values())
 
 
+@pytest.mark.slow
 def test_holds_in_single_precision() -> None:
     names = ("stoker", "uniform", "relaxation")
     outcomes = collection.run(collection.chosen(names), CheckOptions(precision="float32", grids=4))
@@ -49,6 +50,7 @@ def test_a_solution_that_is_off_by_three_percent_does_not_hold(h_0: float, g_c: 
     assert found.row("h v", 0, 0.5, 0.05).holds is False
 
 
+@pytest.mark.slow
 def test_a_wrong_source_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     right = manufactured.sources
     monkeypatch.setattr(manufactured, "sources", lambda x, t, case: 1.02 * right(x, t, case))
@@ -135,6 +137,7 @@ def verify(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["verify", *arguments])
 
 
+@pytest.mark.slow
 def test_the_command_prints_and_writes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     result = verify("relaxation", "stoker")
