@@ -43,7 +43,7 @@ def client(whole: xr.Dataset) -> Iterator[Any]:
     """A client of two worker processes of one thread each, on this machine; kernels are compiled by then."""
     with (
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+            n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=":0"
         ) as local,
         distributed.Client(local, set_as_default=False) as client,
     ):
