@@ -12,13 +12,12 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from warpgran.analysis.front import front
+from warpgran.analysis.front import compacted, front
 from warpgran.analysis.refinement import Refined
 from warpgran.case.case import Case
 from warpgran.figures.style import STYLE, WIDTH, letter
-from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
-from warpgran.verification.check import CheckResult, Row
+from warpgran.verification.check import CheckOptions, CheckResult, Row
 
 CELLS = (250, 500, 1000, 2000, 4000, 8000)
 WANTED = 0.01
@@ -38,11 +37,11 @@ class Collapse:
     right: float
     times: tuple[float, float]
 
-    def case(self, cells: int) -> Case:
+    def case(self, order: int, cells: int) -> Case:
         """The case on a grid of so many cells."""
         times = list(self.times)
         output = {"time.end": times[-1], "time.snapshots": times, "time.series": times}
-        scheme = {"scheme.order": 1, "scheme.h_front": 1e-3}
+        scheme = {"scheme.order": order, "scheme.h_front": FRONTS[0]}
         return Case().with_(
             **{"slope.angle": self.angle, "grid.right": self.right, "grid.cells": cells, **output, **scheme},
         )
@@ -51,28 +50,30 @@ class Collapse:
 COLLAPSES = (Collapse(0.0, 0.6, (0.2, 0.5)), Collapse(22.0, 1.4, (0.48, 1.38)))
 
 
-def _front_at_one_centimetre(case: Case, run: xr.Dataset, at: int) -> float:
-    return front(case.x, run["h"].values[at, : case.grid.cells], 0.01)
+FRONTS = (1.4e-3, 5e-3)
+"""Compacted thicknesses of the fronts, m: two grain diameters, and seven."""
+
+
+def _thick_front(case: Case, run: xr.Dataset, at: int) -> float:
+    return front(case.x, compacted(run).values[at, : case.grid.cells], FRONTS[1])
 
 
 QUANTITIES: dict[str, Callable[[Case, xr.Dataset, int], float]] = {
-    "front at h = 1 mm": lambda case, run, at: float(run["front"][at]),
-    "front at h = 10 mm": _front_at_one_centimetre,
+    "front at 1.4 mm": lambda case, run, at: float(run["front"][at]),
+    "front at 5 mm": _thick_front,
     "maximum height": lambda case, run, at: float(run["h_max"][at]),
     "volume": lambda case, run, at: 1.0 + float(run["volume_change"][at]),
 }
 """Each a number > 0 whose relative error is reported. The front counts from the foot of the column, at x = 0."""
-BULK = ("front at h = 10 mm", "maximum height")
+BULK = ("front at 5 mm", "maximum height")
 """Those that must converge, to three percent on this many cells."""
 JUDGED = 2000
 
 
-def refine(
-    collapse: Collapse, cells: Sequence[int], device: str = "cpu", precision: Precision = "float64"
-) -> dict[tuple[float, str], Refined]:
+def refine(collapse: Collapse, options: CheckOptions, cells: Sequence[int]) -> dict[tuple[float, str], Refined]:
     """All quantities of a collapse on all grids, by time [s] and name."""
-    cases = [collapse.case(n) for n in cells]
-    data = simulate(cases, device=device, precision=precision)
+    cases = [collapse.case(options.order, n) for n in cells]
+    data = simulate(cases, device=options.device, precision=options.precision)
     return {
         (t, name): Refined(name, tuple(cells), tuple(of(case, data.isel(run=r), at) for r, case in enumerate(cases)))
         for at, t in enumerate(collapse.times)
@@ -80,9 +81,9 @@ def refine(
     }
 
 
-def convergence(cells: Sequence[int] = CELLS, *, device: str = "cpu", precision: Precision = "float64") -> CheckResult:
+def convergence(options: CheckOptions, cells: Sequence[int] = CELLS) -> CheckResult:
     """The collapses on all grids: errors against Richardson's estimate, orders, and cells for one percent."""
-    found = {collapse: refine(collapse, cells, device, precision) for collapse in COLLAPSES}
+    found = {collapse: refine(collapse, options, cells) for collapse in COLLAPSES}
     rows = [_row(collapse, t, series) for collapse, all_of_it in found.items() for (t, _), series in all_of_it.items()]
     text = (
         "A column of 0.14 m x 0.20 m, phi = 0.62, on a plane and on 22 degrees, on grids of 0.8 m and 1.6 m. The error "

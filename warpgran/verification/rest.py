@@ -36,37 +36,37 @@ def rough_bed(roughness: float) -> Array:
     return 0.015 * draws + roughness * np.exp(-(((x - 0.5) / 0.1) ** 2))
 
 
-def lake(roughness: float, mu: float, alpha: float) -> Case:
+def lake(order: int, roughness: float, mu: float, alpha: float) -> Case:
     """A level surface and constant phi: the first family, dry where the bed is higher."""
     bed = rough_bed(roughness)
-    return _resting(np.maximum(LEVEL - bed, 0.0), np.full(CELLS, 0.6), bed, mu, alpha)
+    return _resting(order, np.maximum(LEVEL - bed, 0.0), np.full(CELLS, 0.6), bed, mu, alpha)
 
 
-def second_family(mu: float, alpha: float) -> Case:
+def second_family(order: int, mu: float, alpha: float) -> Case:
     """Constant h phi^(1 - alpha), with h (alpha - 1/2)/(alpha - 1) + b constant (B.3)."""
     bed = rough_bed(0.03)
     h = (LEVEL - bed) * (alpha - 1.0) / (alpha - 0.5)
-    return _resting(h, 0.6 * (h / h.max()) ** (1.0 / (alpha - 1.0)), bed, mu, alpha)
+    return _resting(order, h, 0.6 * (h / h.max()) ** (1.0 / (alpha - 1.0)), bed, mu, alpha)
 
 
-def heap(cells: int, variation: float) -> Case:
+def heap(order: int, cells: int, variation: float) -> Case:
     """A heap on a plane, less steep than friction holds, whose phi varies along it by so much; default viscosity."""
     x = centres(0.0, 1.0, cells)
     h = np.maximum(LEVEL - 0.3 * np.abs(x - 0.5), 0.0)
     phi = 0.58 + variation * np.sin(4.0 * np.pi * x)
-    return starting_from(h, 0.0, phi, 0.0, 1.0, **coulomb(0.48))
+    return starting_from(order, h, 0.0, phi, 0.0, 1.0, **coulomb(0.48))
 
 
-def _resting(h: Array, phi: Array, bed: Array, mu: float, alpha: float) -> Case:
+def _resting(order: int, h: Array, phi: Array, bed: Array, mu: float, alpha: float) -> Case:
     x = centres(0.0, 1.0, CELLS)
     closed = {"scheme.left": "wall", "scheme.right": "wall", "scheme.alpha": alpha}
     table = {"slope.bed": {"x": x, "b": bed}}
-    return starting_from(h, 0.0, phi, 0.0, 1.0, **closed, **table, **coulomb(mu))
+    return starting_from(order, h, 0.0, phi, 0.0, 1.0, **closed, **table, **coulomb(mu))
 
 
-STATES: dict[str, Callable[[float, float], Case]] = {
-    "lake": lambda mu, alpha: lake(0.05, mu, alpha),
-    "lake with an island": lambda mu, alpha: lake(0.15, mu, alpha),
+STATES: dict[str, Callable[[int, float, float], Case]] = {
+    "lake": lambda order, mu, alpha: lake(order, 0.05, mu, alpha),
+    "lake with an island": lambda order, mu, alpha: lake(order, 0.15, mu, alpha),
     "second family": second_family,
 }
 
@@ -81,11 +81,18 @@ class Circumstance:
     asked: bool
 
 
-CIRCUMSTANCES = (
-    Circumstance("xi = 0", (0.0, 0.5), viscous=False, asked=True),
-    Circumstance("default xi, mu = 0.5", (0.5,), viscous=True, asked=False),
-    Circumstance("default xi, mu = 0", (0.0,), viscous=True, asked=False),
-)
+CIRCUMSTANCES = {
+    1: (
+        Circumstance("xi = 0", (0.0, 0.5), viscous=False, asked=True),
+        Circumstance("default xi, mu = 0.5", (0.5,), viscous=True, asked=False),
+        Circumstance("default xi, mu = 0", (0.0,), viscous=True, asked=False),
+    ),
+    2: (
+        Circumstance("mu = 0.5", (0.5,), viscous=True, asked=True),
+        Circumstance("mu = 0", (0.0,), viscous=True, asked=True),
+    ),
+}
+"""By the order of the scheme; order 2 has no viscosity."""
 
 
 def at_rest(options: CheckOptions) -> CheckResult:
@@ -93,10 +100,10 @@ def at_rest(options: CheckOptions) -> CheckResult:
     rows = []
     figure, (profile, *speeds) = panels(4, rows=2)
     _draw_states(profile)
-    for circumstance, ax in zip(CIRCUMSTANCES, speeds, strict=True):
+    for circumstance, ax in zip(CIRCUMSTANCES[options.order], speeds, strict=False):
         for n, (words, state) in enumerate(STATES.items()):
             for precision, bound in BOUNDS.items():
-                cases = [state(mu, alpha) for alpha in ALPHAS for mu in circumstance.mu]
+                cases = [state(options.order, mu, alpha) for alpha in ALPHAS for mu in circumstance.mu]
                 fastest = _fastest(cases, circumstance.viscous, replace(options, precision=precision))
                 worst = float(fastest.max())
                 asked = (f"<= {bound:g}", worst <= bound) if circumstance.asked else ("reported", None)
@@ -155,7 +162,7 @@ def _heaps(options: CheckOptions) -> list[Row]:
     changes = []
     for variation, cells in ((0.0, (400,)), (0.02, options.cells(100))):
         for n in cells:
-            case = heap(n, variation).with_(**{"time.end": CREEP, "time.snapshots": [CREEP]})
+            case = heap(options.order, n, variation).with_(**{"time.end": CREEP, "time.snapshots": [CREEP]})
             h, _ = case.initial_state()
             changes.append((n, float(np.abs(computed(case, options).h[0] - h).sum() / h.sum())))
     (_, constant), *varying = changes
@@ -167,7 +174,7 @@ def _heaps(options: CheckOptions) -> list[Row]:
 
 
 def _draw_states(ax: Axes) -> None:
-    island, second = lake(0.15, 0.0, 2.0), second_family(0.0, 2.0)
+    island, second = lake(1, 0.15, 0.0, 2.0), second_family(1, 0.0, 2.0)
     for case, colour, words in ((island, COLOURS[0], "lake with an island"), (second, COLOURS[1], "second family")):
         h, _ = case.initial_state()
         ax.plot(case.x, 100 * case.bed, color="0.6", linewidth=0.5)
