@@ -76,7 +76,7 @@ def _profiles(ax: Axes, comparison: Comparison, name: str) -> None:
 
 
 def errors(ax: Axes, rows: Sequence[Row], steps: str = "number of cells") -> None:
-    """Errors over the number of cells, with lines of order 1/2 and 1, or 1 and 2, over the grids that determine the order.
+    """Errors over the number of cells, with lines of two orders over the grids that determine theirs.
 
     Args:
         ax: Where.

@@ -169,7 +169,7 @@ def deep(options: CheckOptions, count: int = 2048, seed: int = 2026) -> CheckRes
         f"frictionless slope make, 2 sqrt(g_c h_0) + g sin|theta| t; and, of every {COMPANY}th, that it has the same "
         "bits in other company. The speed is no theorem: where grains dilate, their pressure drives them on. Nor is it "
         f"one that phi stays below its initial maximum; up to {STEEP:g} degrees and with xi >= 1, {EXCESS:.0%} more is "
-        "allowed.",
+        "allowed. Under order 2 it is, to rounding, in any run.",
     )
     rows = [
         Row("runs of which something does not hold", len(found.faults), "runs", "0", not found.faults),

@@ -92,7 +92,7 @@ def case_at(point: Sequence[float] | np.ndarray, scale: float, order: int, preci
     Args:
         point: A number in [0, 1) for each of AXES.
         scale: One of SCALES, m; the run lasts as long as a grain takes to fall 1.5 times that.
-        order: Of the scheme. Order 2 has neither stabilization nor a choice of relaxation: those axes have no part in it.
+        order: Of the scheme. Axes of stabilization and relaxation have no part in order 2.
         precision: Precision of the run, which limits alpha.
     """
     v = {axis.name: axis.at(u) for axis, u in zip(AXES, point, strict=True)}
