@@ -48,14 +48,16 @@ def cap(options: CheckOptions) -> CheckResult:
         slides from rest and spreads, and stays a parabola (Savage and Hutter, 1989, with an earth-pressure
         coefficient of 1): h = h_0/G (1 - s^2), s = (x - m t^2/2)/(L G), v = m t + s L G', G'' = 2 g_c h_0/(L^2 G^2).
         All of it moves downhill, since m = g_c (tan(theta) - tan(delta)) is larger than 2 g_c h_0/L. The solution is
-        smooth but for the kinks of h at its two ends: order 1 is expected, 0.9 asked; of order 2, which the kinks cost some of it, 1.5.
+        smooth but for the kinks of h at its two ends: order 1 is expected, 0.9 asked; of order 2, which the kinks
+        cost some of it, 1.5.
 
-        What makes up most of the error of order 1 is that gravity less friction acts too weakly on thin layers. Both enter by
-        the hydrostatic reconstruction, which gives a cell g_c phi (h^2 - (h - z)^2)/2 = g_c phi z (h - z/2) for a
-        step z = dx (tan(theta) - tan(delta)), and g_c phi h^2/2 where z > h, instead of g_c phi z h: short by z/(2
-        h), first order in dx, but large where a cell is long against its layer's thickness (Delestre, Cordier,
+        What makes up most of the error of order 1 is that gravity less friction acts too weakly on thin layers. Both
+        enter by the hydrostatic reconstruction, which gives a cell g_c phi (h^2 - (h - z)^2)/2 = g_c phi z (h - z/2)
+        for a step z = dx (tan(theta) - tan(delta)), and g_c phi h^2/2 where z > h, instead of g_c phi z h: short by
+        z/(2 h), first order in dx, but large where a cell is long against its layer's thickness (Delestre, Cordier,
         Darboux and James, 2012, for hydrostatic reconstruction at large). The last row measures it: without it the
-        momentum of the whole would be mass times m t to rounding. Order 2 has the force within a cell beside that at its faces, and does not lack it.
+        momentum of the whole would be mass times m t to rounding. Order 2 has the force within a cell beside that at
+        its faces, and does not lack it.
         """)
     caption = f"The cap after {times[0]:g} s and {times[1]:g} s on a slope of 35 degrees."
     figure = against_exact(found, rows, ("h", "v"), caption)

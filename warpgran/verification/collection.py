@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 
+from matplotlib.figure import Figure
+
 from warpgran.errors import OptionError
 from warpgran.verification import cap, columns, convergence, dams, jumps, manufactured, properties, rest, uniform, waves
 from warpgran.verification.check import Check, CheckOptions, CheckResult, Row
@@ -85,7 +87,8 @@ def side_by_side(results: Mapping[int, CheckResult]) -> CheckResult:
     rows = [replace(row, scheme=order) for order, result in results.items() for row in result.rows]
     places = {compared: n for n, compared in enumerate(dict.fromkeys(row.compared for row in rows))}
     rows.sort(key=lambda row: places[row.compared])  # stable: by order within
-    figures, run_files = {}, {}
+    figures: dict[str, Figure] = {}
+    run_files: dict[str, str] = {}
     for order, result in results.items():
         for name, figure in result.figures.items():
             figure.set_label(f"Order {order}. {figure.get_label()}")

@@ -88,16 +88,17 @@ def riemann(options: CheckOptions) -> CheckResult:
 
         Shocks and fans give an order between 1/2 and 1 in h and h v: asked is 1/2. phi jumps at the contact alone,
         which a first-order scheme spreads over a width that goes as sqrt(dx): 1/2 is what can be expected in L1, not
-        more. It is compared when the contact stands at the edge of a cell of every grid, since where it stands
-        within one moves the figure by some 0.1; asked is 0.45. A second-order scheme spreads it over dx^(2/3), and has order
-        2/3: asked of order 2 is 0.6. h jumps there with phi. Where shocks stand on both sides that makes up the error of
-        h and h v under order 2, and no more than 2/3 can be had (asked: 0.55); in the problem with a fan it does not
-        show yet, and 0.9 is asked.
+        more. It is compared when the contact stands at the edge of a cell of every grid, since where it stands within
+        one moves the figure by some 0.1; asked is 0.45. A second-order scheme spreads it over dx^(2/3), and has order
+        2/3: asked of order 2 is 0.6. h jumps there with phi. Where shocks stand on both sides that makes up the error
+        of h and h v under order 2, and no more than 2/3 can be had (asked: 0.55); in the problem with a fan it does
+        not show yet, and 0.9 is asked.
 
-        A contact at rest whose sides have the same pressure is kept to rounding without friction, and by order 2 to the last bit with friction. With friction order 1 is not that exact: the apparent topography is made for two families
-        of steady states, constant phi and constant h phi^(1 - alpha), and this is neither. The cells beside the
-        contact adjust by a fraction of a percent, at less than 0.1 mm/s, and then rest. It is reported, and does not
-        shrink with dx.
+        A contact at rest whose sides have the same pressure is kept to rounding without friction, and by order 2 to
+        the last bit with friction. With friction order 1 is not that exact: the apparent topography is made for two
+        families of steady states, constant phi and constant h phi^(1 - alpha), and this is neither. The cells beside
+        the contact adjust by a fraction of a percent, at less than 0.1 mm/s, and then rest. It is reported, and does
+        not shrink with dx.
         """)
     return CheckResult("Riemann problems with a jump of phi", text, tuple(rows), figures)
 

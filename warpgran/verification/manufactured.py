@@ -172,16 +172,18 @@ def manufactured(options: CheckOptions) -> CheckResult:
         cm +- 20 %, v = 0.8 m/s +- 20 %, phi = 0.57 +- 2 %, each of its own speed), which solve the model with the
         sources that make them do so. Everything takes part: gravity, pressure, mu(I), the friction of dilatancy, the
         dilatancy law, and transport of all three quantities. The sources use the laws of the NumPy reference and
-        derivatives by hand, and share nothing with the kernels. Order 1 has them added to the state after each step, half-way
-        in its time; order 2 half before and half after steps of one length (Strang), which keeps the second order.
+        derivatives by hand, and share nothing with the kernels. Order 1 has them added to the state after each step,
+        half-way in its time; order 2 half before and half after steps of one length (Strang), which keeps the second
+        order.
 
         Apparent topography does not make this meaningless. It solves friction implicitly where that could stop the
         flow within a step; where v is far from 0, as here, v/(g_c dt) exceeds mu a hundredfold, the projections in
         (3.10) give mu itself, and friction is a step of mu dx in the bed, consistent to first order. Where the flow
         starts and stops, the manufactured solution says nothing; the dam break on the gentler slope does.
 
-        Asked in every quantity is 0.9 of order 1, 1.9 of order 2. The viscosity (v Dz)_+ of order 1 is itself first order in dx and does not lower it. Without it phi oscillates over some cells, the coupling of transport and dilatancy for which
-        the paper has it, and comes to order 1 later: 0.82 from 50 to 100 cells, 0.97 from 3200 to 6400. This one row
-        is reported, not asked.
+        Asked in every quantity is 0.9 of order 1, 1.9 of order 2. The viscosity (v Dz)_+ of order 1 is itself first
+        order in dx and does not lower it. Without it phi oscillates over some cells, the coupling of transport and
+        dilatancy for which the paper has it, and comes to order 1 later: 0.82 from 50 to 100 cells, 0.97 from 3200 to
+        6400. This one row is reported, not asked.
         """)
     return CheckResult("Manufactured solution of the whole system", text, tuple(rows), figures)

@@ -19,11 +19,13 @@ from warpgran.verification.plots import style
 PAGE = "verification.html"
 COLUMNS = ("compared", "order", "error", "unit", "observed order", "bound", "holds")
 INTRODUCTION = paragraphs("""
-        Exact solutions of the model, some with friction and some with dilatancy, computed on finer and finer grids by both schemes, of order 1 (the paper's) and 2.
-        An error in L1 is a sum over the cells of the distance from the exact cell average, relative to the same sum
-        of the exact averages; it is that of the finest grid, and the observed order is the slope over the three
-        finest. Bounds come from theory: rounding where the scheme is exact, the order of the scheme for smooth flows, 1/2 (order 1) or 1 (order 2) for jumps and kinks, with the margin that each case states. The bound on the error itself, some percent, is there to
-        notice convergence to something else. What has no bound is reported.
+        Exact solutions of the model, some with friction and some with dilatancy, computed on finer and finer grids by
+        both schemes, of order 1 (the paper's) and 2. An error in L1 is a sum over the cells of the distance from the
+        exact cell average, relative to the same sum of the exact averages; it is that of the finest grid, and the
+        observed order is the slope over the three finest. Bounds come from theory: rounding where the scheme is
+        exact, the order of the scheme for smooth flows, 1/2 (order 1) or 1 (order 2) for jumps and kinks, with the
+        margin that each case states. The bound on the error itself, some percent, is there to notice convergence to
+        something else. What has no bound is reported.
         """)
 
 

@@ -75,11 +75,12 @@ def relaxation(options: CheckOptions) -> CheckResult:
     text = paragraphs(f"""
         A uniform layer of phi h = {100 * mass:g} cm and phi = {phi_0:g}, below the equilibrium, slides at {v:g} m/s
         on a horizontal bed with mu1 = mu2 = 0. Its friction max(0, tan(psi)) is 0, since it contracts, so that v
-        stays as it is, and the whole scheme comes down to the dilatancy law phi' = -phi gamma K (phi - phi_eq(I)).
-        At a given mass and velocity that is solved in closed form (warpgran.verification.exact.dilatancy).
+        stays as it is, and the whole scheme comes down to the dilatancy law phi' = -phi gamma K (phi - phi_eq(I)). At
+        a given mass and velocity that is solved in closed form (warpgran.verification.exact.dilatancy).
 
-        Order 1: the step (3.17), and (3.18) too, takes gamma, I and phi_eq from its beginning: first order in dt, hence in dx by the CFL condition; 0.9 is asked. Order 2 takes the midpoint rule: 1.9 is asked. The coarse grids take only about ten steps in the time in which phi gets
-        there.
+        Order 1: the step (3.17), and (3.18) too, takes gamma, I and phi_eq from its beginning: first order in dt,
+        hence in dx by the CFL condition; 0.9 is asked. Order 2 takes the midpoint rule: 1.9 is asked. The coarse
+        grids take only about ten steps in the time in which phi gets there.
         """)
     return CheckResult("Dilatancy of a layer of constant velocity", text, tuple(rows), {"relaxation": figure})
 
@@ -138,16 +139,17 @@ def steady(options: CheckOptions) -> CheckResult:
     )
     text = paragraphs(f"""
         On a slope of {angle:g} degrees, between atan(mu1) and atan(mu2), a uniform layer flows steadily at the
-        inertial number I = I0 (tan(theta) - mu1)/(mu2 - tan(theta)), phi = phi_eq(I) and v = 2/5 (I h/d) sqrt(phi
-        g_c h): here v = {goal.v:.4f} m/s and phi = {goal.phi:.4f} for h = {100 * goal.h:g} cm. All of the model's
-        laws take part: mu(I), phi_eq(I), the dilatancy law and its friction. Rheology and scheme are the defaults; the ends are joined.
+        inertial number I = I0 (tan(theta) - mu1)/(mu2 - tan(theta)), phi = phi_eq(I) and v = 2/5 (I h/d) sqrt(phi g_c
+        h): here v = {goal.v:.4f} m/s and phi = {goal.phi:.4f} for h = {100 * goal.h:g} cm. All of the model's laws
+        take part: mu(I), phi_eq(I), the dilatancy law and its friction. Rheology and scheme are the defaults; the
+        ends are joined.
 
         Three layers of the same mass start elsewhere: loose and at rest, denser and slower, faster. All must come to
-        the steady flow to rounding (1e-10; 1e-3 in float32, which loses what changes by less than its last place in
-        a step), for it is a steady state of the scheme too. On the way they are compared with the solution of the
-        two ordinary differential equations for v and phi (DOP853 of scipy to 1e-12, with the laws of the NumPy
-        reference): 0.9 is asked of order 1, 1.9 of order 2. The dense layer is pushed because at rest it would stay there: its
-        friction mu1 + K (phi - phi_stat) is above tan(theta).
+        the steady flow to rounding (1e-10; 1e-3 in float32, which loses what changes by less than its last place in a
+        step), for it is a steady state of the scheme too. On the way they are compared with the solution of the two
+        ordinary differential equations for v and phi (DOP853 of scipy to 1e-12, with the laws of the NumPy
+        reference): 0.9 is asked of order 1, 1.9 of order 2. The dense layer is pushed because at rest it would stay
+        there: its friction mu1 + K (phi - phi_stat) is above tan(theta).
         """)
     return CheckResult("Steady uniform flow", text, tuple(rows), {"steady": figure})
 
