@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from warpgran.verification import columns
+from warpgran.verification.check import CheckOptions
 from warpgran.verification.columns import STEEP, Deposits, band, collapse, column, lajeunesse, lube
 
 COARSE = 50  # cells a column length
@@ -14,7 +15,7 @@ RATIOS = (0.3, 0.55, 1.0, 2.0)
 
 @pytest.fixture(scope="module")
 def beads() -> Deposits:
-    return collapse(column(COARSE), RATIOS)
+    return collapse(column(1, COARSE), RATIOS)
 
 
 def test_the_laws_of_the_experiments() -> None:
@@ -36,7 +37,7 @@ def test_shallow_columns_run_out_as_in_experiments(beads: Deposits) -> None:
 
 
 def test_too_much_friction_falls_out_of_the_band(beads: Deposits) -> None:
-    steep = collapse(column(COARSE, **STEEP), RATIOS)
+    steep = collapse(column(1, COARSE, **STEEP), RATIOS)
     assert (steep.run_out < band(steep.a)[0])[steep.a <= 1.0].all()
     assert all(row.holds is not False for row in columns._rows(beads, steep))
     held = [row.holds for row in columns._rows(steep, beads)]
@@ -45,13 +46,14 @@ def test_too_much_friction_falls_out_of_the_band(beads: Deposits) -> None:
 
 
 def test_columns_that_do_not_come_to_rest_are_named() -> None:
-    short = column(COARSE, **{"time.end": 0.1, "time.snapshots": [0.1]})
+    short = column(2, COARSE, **{"time.end": 0.1, "time.snapshots": [0.1]})
     with pytest.raises(RuntimeError, match=r"^columns of aspect ratio 1 did not come to rest"):
         collapse(short, [1.0])
 
 
-def test_the_outcome(beads: Deposits) -> None:
-    outcome = columns.columns(25, (0.4, 0.8, 1.2, 1.6))
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_outcome(order: int) -> None:
+    outcome = columns.columns(CheckOptions(order=order), 25, (0.4, 0.8, 1.2, 1.6))
     assert outcome.holds
     assert len(outcome.rows) == 6
     assert len(outcome.figures["columns"].axes) == 2

@@ -22,10 +22,10 @@ from warpgran.verification.space import AXES, SCALES, case_at
 RUNS = 64  # of each scale and precision
 
 
-def drawn_at(point: Sequence[float], scale: float, precision: str) -> Case:
+def drawn_at(point: Sequence[float], scale: float, order: int, precision: str) -> Case:
     """The case at a point, but of fewer codes to compile; `warpgran verify --deep` has all of them."""
-    case = case_at(point, scale, precision)
-    changes: dict[str, Any] = {"scheme.lambda": 0.0, "scheme.relaxation": "rational"}
+    case = case_at(point, scale, order, precision)
+    changes: dict[str, Any] = {"scheme.lambda": 0.0, "scheme.relaxation": "rational"} if order == 1 else {}
     if case.scheme.alpha != 2.0:
         changes |= dict.fromkeys(("scheme.left", "scheme.right"), "wall")
     if case.scheme.alpha != 2.0 or case.scheme.periodic:
@@ -41,9 +41,10 @@ def assert_sound(findings: Findings) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("scale", SCALES)
-def test_any_run_that_is_accepted_is_sound(scale: float, precision: Precision) -> None:
+@pytest.mark.parametrize("order", [1, 2])
+def test_any_run_that_is_accepted_is_sound(order: int, scale: float, precision: Precision) -> None:
     findings = Findings()
-    cases = [drawn_at(point, scale, precision) for point in points(scale, RUNS, seed=1)]
+    cases = [drawn_at(point, scale, order, precision) for point in points(scale, RUNS, seed=1)]
     examine(cases, precision, findings)
     assert_sound(findings)
     assert findings.runs == RUNS
@@ -55,12 +56,15 @@ def test_any_run_that_is_accepted_is_sound(scale: float, precision: Precision) -
 @given(
     point=st.tuples(*[st.floats(0.0, 1.0, exclude_max=True, allow_subnormal=False)] * len(AXES)),
     scale=st.sampled_from(SCALES),
+    order=st.sampled_from([1, 2]),
     precision=st.sampled_from(PRECISIONS),
 )
 @settings(max_examples=60)
-def test_any_point_of_the_space_is_sound(point: tuple[float, ...], scale: float, precision: Precision) -> None:
+def test_any_point_of_the_space_is_sound(
+    point: tuple[float, ...], scale: float, order: int, precision: Precision
+) -> None:
     findings = Findings()
-    examine([drawn_at(point, scale, precision)], precision, findings)
+    examine([drawn_at(point, scale, order, precision)], precision, findings)
     assert_sound(findings)
 
 
@@ -72,8 +76,8 @@ def test_the_corners_of_the_space_are_accepted() -> None:
                 point = np.full(len(AXES), 0.5)
                 for end in (0.0, last):
                     point[axis] = end
-                    case_at(point, scale, precision)
-    both = case_at(np.zeros(len(AXES)), 1e-3), case_at(np.full(len(AXES), last), 10.0)
+                    case_at(point, scale, 1 + axis % 2, precision)
+    both = case_at(np.zeros(len(AXES)), 1e-3, 1), case_at(np.full(len(AXES), last), 10.0, 1)
     assert [case.grid.cells for case in both] == [10, 300]
     assert [case.slope.angle for case in both] == pytest.approx([-80.0, 80.0])
 

@@ -44,25 +44,26 @@ def test_holds_in_single_precision() -> None:
 
 @pytest.mark.parametrize(("h_0", "g_c"), [(0.103, 9.81), (0.1, 10.1)])
 def test_a_solution_that_is_off_by_three_percent_does_not_hold(h_0: float, g_c: float) -> None:
-    start = dams.dam(0.1, 0.02, -1.0, 1.0, **coulomb(0.0))
+    start = dams.dam(1, 0.1, 0.02, -1.0, 1.0, **coulomb(0.0))
     wrong = of_constant_phi(lambda x, t: exact.stoker(x, t, h_0, 0.02, g_c))
-    found = compare(CheckOptions(grids=5), start, wrong, (0.6,), 100)
+    found = compare(CheckOptions(grids=5, order=1), start, wrong, (0.6,), 100)
     assert found.row("h v", 0, 0.5, 0.05).holds is False
 
 
 @pytest.mark.slow
-def test_a_wrong_source_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_wrong_source_does_not_hold(order: int, monkeypatch: pytest.MonkeyPatch) -> None:
     right = manufactured.sources
     monkeypatch.setattr(manufactured, "sources", lambda x, t, case: 1.02 * right(x, t, case))
-    monkeypatch.setattr(manufactured, "VARIANTS", {"defaults": {}})
-    assert not manufactured.manufactured(CheckOptions(grids=5)).holds
+    monkeypatch.setattr(manufactured, "VARIANTS", {order: {"defaults": {}}})
+    assert not manufactured.manufactured(CheckOptions(grids=5, order=order)).holds
 
 
 @pytest.mark.parametrize("h", [0.05, 0.02, 0.01, 0.005, 0.002])
 def test_thin_layers_feel_too_little_of_gravity_and_friction(h: float) -> None:
     """By 1 - z/(2 h) over a step z of the bed less friction, by h/(2 z) where z > h: docs/verification.md."""
     theta, delta = np.radians(35.0), np.radians(20.0)
-    case = uniform.layer(20, h, 0.0, 0.6, [0.2], **{"slope.angle": 35.0}, **coulomb(float(np.tan(delta))))
+    case = uniform.layer(1, 20, h, 0.0, 0.6, [0.2], **{"slope.angle": 35.0}, **coulomb(float(np.tan(delta))))
     z = case.dx * (np.tan(theta) - np.tan(delta))
     share = 1.0 - z / (2.0 * h) if z < h else h / (2.0 * z)
     v = computed(case, CheckOptions()).v[0]
@@ -76,6 +77,7 @@ def test_order_is_the_slope_over_the_three_finest() -> None:
     assert falling("x", "-", errors, 1.1, 1.5).holds is False
     assert falling("x", "-", errors, 0.9, 0.5).holds is False
     assert falling("x", "-", [(n, 0.01) for n, _ in errors], 0.5, 1.0).holds is False
+    assert falling("x", "-", [(n, 0.0) for n, _ in errors], 0.5, 1.0).holds is True
     assert falling("x", "-", [(n, np.nan) for n, _ in errors], 0.5, 1.0).holds is False
 
 
@@ -133,6 +135,24 @@ def test_the_page_holds_everything(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+def test_orders_stand_side_by_side() -> None:
+    def check(options: CheckOptions) -> CheckResult:
+        figure = Figure()
+        figure.set_label("A figure.")
+        rows = tuple(Row(words, 1.0 / options.order, "-", "<= 1", True) for words in ("h", f"{options.order}", "v"))
+        return CheckResult("It", ("Of both.", f"Of {options.order}."), rows, {"it": figure}, {"it.toml": ""})
+
+    outcome = collection.run({"it": check}, COARSE)["it"]
+    found = [(row.compared, row.scheme) for row in outcome.rows]
+    assert found == [("h", 1), ("h", 2), ("1", 1), ("v", 1), ("v", 2), ("2", 2)]
+    assert outcome.text == ("Of both.", "Of 1.", "Of 2.")
+    assert {name: figure.get_label() for name, figure in outcome.figures.items()} == {
+        "it_order_1": "Order 1. A figure.", "it_order_2": "Order 2. A figure."
+    }  # fmt: skip
+    assert list(outcome.run_files) == ["order_1_it.toml", "order_2_it.toml"]
+    assert {row.scheme for row in collection.run({"it": check}, COARSE, (2,))["it"].rows} == {2}
+
+
 def verify(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["verify", *arguments])
 
@@ -140,14 +160,14 @@ def verify(*arguments: str) -> Result:
 @pytest.mark.slow
 def test_the_command_prints_and_writes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    result = verify("relaxation", "stoker")
+    result = verify("relaxation", "stoker", "--order", "2")
     assert result.exit_code == 0, result.output
     assert result.stderr == ""
     lines = result.stdout.splitlines()
     assert lines[-2:] == ["2 of 2 cases hold", "wrote verification/verification.html"]
-    assert any("stoker" in line and "order >= 0.5" in line and "yes" in line for line in lines)
+    assert any("stoker" in line and "order >= 0.9" in line and "yes" in line for line in lines)
     assert sorted(path.name for path in Path("verification").iterdir()) == [
-        "relaxation.png", "stoker.png", "verification.csv", "verification.html"
+        "relaxation_order_2.png", "stoker_order_2.png", "verification.csv", "verification.html"
     ]  # fmt: skip
 
 
@@ -163,6 +183,7 @@ def test_the_command_fails_with_a_case(tmp_path: Path, monkeypatch: pytest.Monke
     ("arguments", "words"),
     [
         (["riter"], "'riter' is not a case; did you mean ritter? allowed: rest,"),
+        (["stoker", "--order", "3"], "3 is not in the range 1<=x<=2"),
         (["stoker", "--device", "cuda:7"], "device: 'cuda:7' is not on this machine"),
         (["stoker", "-o", "taken"], "taken"),
     ],

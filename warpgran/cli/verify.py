@@ -20,11 +20,12 @@ def verify(
     deep: Annotated[bool, typer.Option("--deep", help="The long cases too.")] = False,
     device: Device = "cpu",
     precision: Precision = "float64",
+    order: Annotated[int | None, typer.Option(min=1, max=2, help="Scheme of this order alone; default: both.")] = None,
 ) -> None:
     """Compare with exact solutions: a table, figures and a page. Exit status 1 if a case does not hold."""
     from warpgran.solve.device import find_device, start_quietly
     from warpgran.verification.check import CheckOptions
-    from warpgran.verification.collection import chosen, run
+    from warpgran.verification.collection import ORDERS, chosen, run
     from warpgran.verification.report import printed, write
 
     checks = chosen(names or [], deep)
@@ -34,7 +35,7 @@ def verify(
     options = CheckOptions(device, precision)
     with progress_bar("{task.completed:.0f} of {task.total:.0f} cases", len(checks)) as show:
         done = iter(range(len(checks)))
-        outcomes = run(checks, options, lambda name: show(next(done), len(checks), name))
+        outcomes = run(checks, options, (order,) if order else ORDERS, lambda name: show(next(done), len(checks), name))
         show(len(checks), len(checks), "done")
     page = write(outcomes, folder, options)
     stdout(WIDTH).print(printed(outcomes))

@@ -18,11 +18,13 @@ class CheckOptions:
         device: "cpu", "cuda" or "cuda:N".
         precision: "float64" or "float32".
         grids: Number of grids of an order of accuracy, each of twice the cells of the one before; at least 2.
+        order: `scheme.order` of the runs, 1 or 2.
     """
 
     device: str = "cpu"
     precision: Precision = "float64"
     grids: int = 6
+    order: int = 2
 
     def cells(self, coarsest: int) -> tuple[int, ...]:
         """Cells of each grid."""
@@ -41,6 +43,7 @@ class Row:
         holds: Whether it does; None if it is only reported.
         order: Observed order of accuracy, NaN where there is none.
         errors: On every grid: cells, and the error in `unit`; empty where there is one grid.
+        scheme: `scheme.order` of the runs, 1 or 2; `collection.run` sets it.
     """
 
     compared: str
@@ -50,6 +53,7 @@ class Row:
     holds: bool | None
     order: float = float("nan")
     errors: tuple[tuple[int, float], ...] = ()
+    scheme: int = 0
 
 
 @dataclass(frozen=True)

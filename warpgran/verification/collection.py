@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 
+from matplotlib.figure import Figure
+
 from warpgran.errors import OptionError
-from warpgran.verification import cap, columns, convergence, dams, jumps, manufactured, properties, rest, uniform
+from warpgran.verification import cap, columns, convergence, dams, jumps, manufactured, properties, rest, uniform, waves
 from warpgran.verification.check import Check, CheckOptions, CheckResult, Row
 from warpgran.verification.plots import style
 
@@ -20,12 +23,15 @@ CASES: dict[str, Check] = {
     "uniform": uniform.steady,
     "relaxation": uniform.relaxation,
     "manufactured": manufactured.manufactured,
+    "waves": waves.waves,
     "riemann": jumps.riemann,
-    "convergence": lambda options: convergence.convergence(device=options.device, precision=options.precision),
-    "columns": lambda options: columns.columns(device=options.device, precision=options.precision),
+    "convergence": convergence.convergence,
+    "columns": columns.columns,
 }
+ORDERS = (1, 2)
+"""Values of `scheme.order`."""
 DEEP: dict[str, Check] = {
-    "properties": lambda options: properties.deep(),  # on the CPU, in both precisions
+    "properties": properties.deep,  # on the CPU, in both precisions
 }
 """Checks that take minutes: run with --deep or by name."""
 
@@ -47,22 +53,47 @@ def chosen(names: Sequence[str], deep: bool = False) -> dict[str, Check]:
 
 
 def run(
-    checks: Mapping[str, Check], options: CheckOptions, started: Callable[[str], None] = lambda name: None
+    checks: Mapping[str, Check],
+    options: CheckOptions,
+    orders: Sequence[int] = ORDERS,
+    started: Callable[[str], None] = lambda name: None,
 ) -> dict[str, CheckResult]:
-    """Run checks, one after another. One that cannot be computed does not hold.
+    """Run checks, one after another, each under every order. One that cannot be computed does not hold.
 
     Args:
         checks: Checks by name.
-        options: How to compute them.
+        options: How to compute them; its order has no part.
+        orders: Values of `scheme.order`.
         started: Called with the name of each as it starts.
     """
     outcomes = {}
     for name, check in checks.items():
         started(name)
-        try:
-            with style():
-                outcomes[name] = check(options)
-        except RuntimeError as error:  # a run that did not reach its end
-            row = Row("the computation itself", float("nan"), "-", "it ends", False)
-            outcomes[name] = CheckResult(name, (str(error),), (row,))
+        outcomes[name] = side_by_side({n: _computed(name, check, replace(options, order=n)) for n in orders})
     return outcomes
+
+
+def _computed(name: str, check: Check, options: CheckOptions) -> CheckResult:
+    try:
+        with style():
+            return check(options)
+    except RuntimeError as error:  # a run that did not reach its end
+        row = Row("the computation itself", float("nan"), "-", "it ends", False)
+        return CheckResult(name, (str(error),), (row,))
+
+
+def side_by_side(results: Mapping[int, CheckResult]) -> CheckResult:
+    """Results of one check under several orders as one: rows that compare the same follow one another."""
+    rows = [replace(row, scheme=order) for order, result in results.items() for row in result.rows]
+    places = {compared: n for n, compared in enumerate(dict.fromkeys(row.compared for row in rows))}
+    rows.sort(key=lambda row: places[row.compared])  # stable: by order within
+    figures: dict[str, Figure] = {}
+    run_files: dict[str, str] = {}
+    for order, result in results.items():
+        for name, figure in result.figures.items():
+            figure.set_label(f"Order {order}. {figure.get_label()}")
+            figures[f"{name}_order_{order}"] = figure
+        run_files |= {f"order_{order}_{name}": text for name, text in result.run_files.items()}
+    text = dict.fromkeys(paragraph for result in results.values() for paragraph in result.text)
+    title = next(iter(results.values())).title
+    return CheckResult(title, tuple(text), tuple(rows), figures, run_files)

@@ -18,7 +18,7 @@ from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
 from warpgran.schema import Status
-from warpgran.verification.check import CheckResult, Row
+from warpgran.verification.check import CheckOptions, CheckResult, Row
 
 LENGTH = 0.2
 """Length l_0 of the columns, m."""
@@ -63,7 +63,7 @@ class Deposits:
     height: Array
 
 
-def column(cells_per_length: int, **changes: Any) -> Case:
+def column(order: int, cells_per_length: int, **changes: Any) -> Case:
     """A column beside a wall; a sweep gives it its height. The front is where h falls through 5 mm."""
     right = 3.6
     return Case().with_(
@@ -77,7 +77,7 @@ def column(cells_per_length: int, **changes: Any) -> Case:
             "time.series": {"every": 0.02},
             "time.rest_speed": 1e-3,
             "time.stop_at_rest": True,
-            "scheme.order": 1,
+            "scheme.order": order,
             "scheme.h_front": 5e-3,
             **changes,
         }
@@ -103,16 +103,12 @@ def _measure(a: Array, data: xr.Dataset) -> Deposits:
     return Deposits(a, last["front"].values / LENGTH - 1.0, last["h_max"].values / LENGTH)
 
 
-def columns(
-    cells_per_length: int = 200,
-    ratios: Sequence[float] = ASPECT_RATIOS,
-    *,
-    device: str = "cpu",
-    precision: Precision = "float64",
-) -> CheckResult:
+def columns(options: CheckOptions, cells_per_length: int = 200, ratios: Sequence[float] = ASPECT_RATIOS) -> CheckResult:
     """Run-out and height over the aspect ratio, with the friction of glass beads and with far too much."""
-    beads = collapse(column(cells_per_length), ratios, device, precision)
-    steep = collapse(column(cells_per_length, **STEEP), ratios, device, precision)
+    beads, steep = (
+        collapse(column(options.order, cells_per_length, **grains), ratios, options.device, options.precision)
+        for grains in ({}, STEEP)
+    )
     text = (
         "Columns of 0.2 m length beside a wall, of aspect ratio a = h_0/l_0 from 0.2 to 5, on a horizontal bed, with "
         "the grains of Table 1; the run-out l is where the deposit is 5 mm thick. Experiments in channels gave "

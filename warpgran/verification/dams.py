@@ -17,18 +17,23 @@ from warpgran.verification.plots import against_exact
 
 H_0 = 0.1
 """Thickness behind the dams, m."""
+LEAST = {"h": {1: 0.5, 2: 0.9}, "h v": {1: 0.5, 2: 0.9}}
+"""Order of accuracy asked for at jumps and fronts, by the order of the scheme."""
+CRITICAL = 0.8
+"""The same once the whole layer has passed the speed of its waves."""
 RATE = (
     "A first-order scheme can be relied on for order 1/2 in L1 where the solution has jumps or kinks (proven for "
-    "scalar equations), and is nearer to 1 the finer the grid; asked is 1/2."
+    "scalar equations), and is nearer to 1 the finer the grid; asked is 1/2. Of order 2, which places a jump to a cell "
+    "and a front as well, 0.9 is asked."
 )
 
 
-def dam(h_l: float, h_r: float, left: float, right: float, **changes: Any) -> Callable[[int], Case]:
+def dam(order: int, h_l: float, h_r: float, left: float, right: float, **changes: Any) -> Callable[[int], Case]:
     """Cases of so many cells with a dam at x = 0, which must be the edge of a cell."""
 
     def start(cells: int) -> Case:
         x = centres(left, right, cells)
-        return starting_from(np.where(x < 0.0, h_l, h_r), 0.0, PHI, left, right, **changes)
+        return starting_from(order, np.where(x < 0.0, h_l, h_r), 0.0, PHI, left, right, **changes)
 
     return start
 
@@ -36,9 +41,9 @@ def dam(h_l: float, h_r: float, left: float, right: float, **changes: Any) -> Ca
 def ritter(options: CheckOptions) -> CheckResult:
     """Ritter's dam break, onto a dry bed."""
     times = (0.2, 0.6)
-    start = dam(H_0, 0.0, -0.8, 1.6, **coulomb(0.0))
+    start = dam(options.order, H_0, 0.0, -0.8, 1.6, **coulomb(0.0))
     found = compare(options, start, of_constant_phi(lambda x, t: exact.ritter(x, t, H_0, G)), times, 96)
-    rows = tuple(found.row(name, at, 0.5, 0.05) for name in ("h", "h v") for at in range(2))
+    rows = tuple(found.row(name, at, LEAST[name][options.order], 0.05) for name in ("h", "h v") for at in range(2))
     text = paragraphs(f"""
         A mass of h = {100 * H_0:g} cm on the left of x = 0 is let go on a dry horizontal bed, without friction and
         dilatancy: h = (2 c_0 - x/t)^2/(9 g), v = 2/3 (c_0 + x/t) between -c_0 t and 2 c_0 t (Ritter, 1892). What is
@@ -54,9 +59,9 @@ def ritter(options: CheckOptions) -> CheckResult:
 def stoker(options: CheckOptions) -> CheckResult:
     """Stoker's dam break, onto a thin layer."""
     times, h_r = (0.2, 0.6), 0.02
-    start = dam(H_0, h_r, -1.0, 1.0, **coulomb(0.0))
+    start = dam(options.order, H_0, h_r, -1.0, 1.0, **coulomb(0.0))
     found = compare(options, start, of_constant_phi(lambda x, t: exact.stoker(x, t, H_0, h_r, G)), times, 100)
-    rows = tuple(found.row(name, at, 0.5, 0.05) for name in ("h", "h v") for at in range(2))
+    rows = tuple(found.row(name, at, LEAST[name][options.order], 0.05) for name in ("h", "h v") for at in range(2))
     text = paragraphs(f"""
         The same onto a layer of {100 * h_r:g} cm at rest: a rarefaction, a uniform state and a bore (Stoker, 1957).
         What is asked is the height and the speed of the bore, which conservation alone decides.
@@ -78,10 +83,14 @@ def sliding(options: CheckOptions) -> CheckResult:
     def span(t: float) -> tuple[float, float]:
         return float(left + c_0 * t + 0.5 * m * t**2 + 0.3), right
 
-    start = dam(H_0, 0.0, left, right, **{"slope.angle": 30.0}, **coulomb(float(np.tan(delta))))
+    start = dam(options.order, H_0, 0.0, left, right, **{"slope.angle": 30.0}, **coulomb(float(np.tan(delta))))
     flow = of_constant_phi(lambda x, t: exact.sliding_dam(x, t, H_0, m, g_c))
     found = compare(options, start, flow, times, 125, span)
-    rows = tuple(found.row(name, at, 0.5, 0.05) for name in ("h", "h v") for at in range(2))
+    rows = tuple(
+        found.row(name, at, LEAST[name][options.order] if at == 0 else min(LEAST[name][options.order], CRITICAL), 0.05)
+        for name in ("h", "h v")
+        for at in range(2)
+    )
     text = paragraphs(f"""
         Slope of 30 degrees, friction angle of 20 degrees, constant: all slides, the mass behind the dam too, and
         Ritter's solution holds in the frame of the acceleration m = g cos(theta) (tan(theta) - tan(delta))
@@ -91,11 +100,23 @@ def sliding(options: CheckOptions) -> CheckResult:
         The exact mass has no upper end. The computed one begins at x = -2.5 m, where the first cell feels no
         gravity; compared is what no wave from there has reached, x > -2.2 m + c_0 t + m t^2/2.
 
+        At t = c_0/m = 0.5 s the whole layer behind the dam moves as fast as its waves, and those that run uphill stand
+        still in the grid. The flux of order 2 has next to no dissipation then: the kink at the head of the fan leaves
+        ripples of a few cells' length, 1 % of the thickness, which are damped slowly once the moment has passed. They
+        fall with dx, but not as fast: the order of h is 1.0 up to 2000 cells and 0.7 to 4000. Asked at 0.6 s is 0.8.
+
         {RATE}
         """)
     caption = f"Dam break on a slope of 30 degrees with friction of 20 degrees after {times[0]:g} s and {times[1]:g} s."
     figure = against_exact(found, rows, ("h", "v"), caption)
     return CheckResult("Dam break steeper than the friction angle", text, rows, {"sliding": figure})
+
+
+VISCOSITY: dict[int, dict[str, dict[str, Any]]] = {
+    1: {", xi = 0": {"scheme.xi": [0.0, 0.0, 0.0]}, ", default xi": {"scheme.xi": [2.0, 2.0, 5.0]}},
+    2: {"": {}},
+}
+"""Of which only order 1 has any."""
 
 
 def braked(options: CheckOptions) -> CheckResult:
@@ -108,14 +129,14 @@ def braked(options: CheckOptions) -> CheckResult:
     flow = of_constant_phi(solution.at)
     rows: tuple[Row, ...] = ()
     figures: dict[str, Figure] = {}
-    for words, xi in (("xi = 0", [0.0, 0.0, 0.0]), ("default xi", [2.0, 2.0, 5.0])):
-        changes = {"slope.angle": 15.0, "scheme.xi": xi, **coulomb(float(np.tan(delta)))}
-        found = compare(options, dam(H_0, 0.0, -0.6 * reach, 1.4 * reach, **changes), flow, times, 200)
-        mine = [found.row("h", at, 0.5, 0.05, f", {words}") for at in range(3)]
-        mine += [found.row("h v", at, 0.5, 0.05, f", {words}") for at in range(2)]
+    for words, viscosity in VISCOSITY[options.order].items():
+        changes = {"slope.angle": 15.0, **viscosity, **coulomb(float(np.tan(delta)))}
+        found = compare(options, dam(options.order, H_0, 0.0, -0.6 * reach, 1.4 * reach, **changes), flow, times, 200)
+        mine = [found.row("h", at, LEAST["h"][options.order], 0.05, words) for at in range(3)]
+        mine += [found.row("h v", at, LEAST["h v"][options.order], 0.05, words) for at in range(2)]
         moving = [(g.x.size, _still_moving(g.h[2], g.v[2], g.h[0], g.v[0])) for g in found.grids]
-        compared = f"remaining flow, the sum of h |v| at t = {times[2]:.3g} s over that at {times[0]:.3g} s, {words}"
-        mine.append(falling(compared, "-", moving, 0.5, 0.05))
+        compared = f"remaining flow, the sum of h |v| at t = {times[2]:.3g} s over that at {times[0]:.3g} s{words}"
+        mine.append(falling(compared, "-", moving, LEAST["h v"][options.order], 0.05))
         rows += tuple(mine)
         if not figures:
             caption = (

@@ -76,7 +76,7 @@ def _profiles(ax: Axes, comparison: Comparison, name: str) -> None:
 
 
 def errors(ax: Axes, rows: Sequence[Row], steps: str = "number of cells") -> None:
-    """Errors over the number of cells, with lines of order 1/2 and 1 over the grids that determine the order.
+    """Errors over the number of cells, with lines of two orders over the grids that determine theirs.
 
     Args:
         ax: Where.
@@ -91,7 +91,8 @@ def errors(ax: Axes, rows: Sequence[Row], steps: str = "number of cells") -> Non
         ax.loglog(cells, values, style, color=COLOURS[n % len(COLOURS)], markersize=3, label=label)
     cells = np.array([n for n, _ in rows[0].errors], dtype=float)
     lowest = 0.4 * min(error for row in rows for _, error in row.errors)
-    for order, words in ((0.5, "1/2"), (1.0, "1")):
+    fast = max(row.order for row in rows) > 1.3
+    for order, words in ((1.0, "1"), (2.0, "2")) if fast else ((0.5, "1/2"), (1.0, "1")):
         guide = lowest * (cells[-1] / cells[-3:]) ** order
         ax.loglog(cells[-3:], guide, "--", color="0.5", linewidth=0.8)
         place: Any = (cells[-3], guide[0])

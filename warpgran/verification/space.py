@@ -86,12 +86,13 @@ SCALES = (1e-3, 1e-2, 1e-1, 1.0, 10.0)
 STEP_LIMIT = 20_000
 
 
-def case_at(point: Sequence[float] | np.ndarray, scale: float, precision: str = "float64") -> Case:
+def case_at(point: Sequence[float] | np.ndarray, scale: float, order: int, precision: str = "float64") -> Case:
     """The case at a point.
 
     Args:
         point: A number in [0, 1) for each of AXES.
         scale: One of SCALES, m; the run lasts as long as a grain takes to fall 1.5 times that.
+        order: Of the scheme. Axes of stabilization and relaxation have no part in order 2.
         precision: Precision of the run, which limits alpha.
     """
     v = {axis.name: axis.at(u) for axis, u in zip(AXES, point, strict=True)}
@@ -104,7 +105,7 @@ def case_at(point: Sequence[float] | np.ndarray, scale: float, precision: str = 
     cells = round(v["grid.cells"])
     h_min = v["h_min/d"] * v["rheology.grain_diameter"]
     K = 0.0 if v["incompressible"] else v["rheology.K"] * v["part of K"]
-    if v["scheme.relaxation"] == "exponential":  # as far as it is accepted
+    if order == 1 and v["scheme.relaxation"] == "exponential":  # as far as it is accepted
         most = 0.99 * MOST_RELAXATION[v["rheology.phi_eq"][:2]]
         K = min(K, most * h_min * cells / (2.5 * v["scheme.cfl"] * right))
     if precision == "float32":
@@ -119,7 +120,7 @@ def case_at(point: Sequence[float] | np.ndarray, scale: float, precision: str = 
         "grid.left": 0.0,
         "grid.right": right,
         "grid.cells": cells,
-        "scheme.order": 1,
+        "scheme.order": order,
         "scheme.xi": [v["xi1"], v["xi1"] * v["xi2/xi1"], v["xi3"]],
         "scheme.h_min": h_min,
         "scheme.h_bed": v["h_bed/height"] * height,
@@ -131,4 +132,7 @@ def case_at(point: Sequence[float] | np.ndarray, scale: float, precision: str = 
         "time.series": {"every": end / 8.0},
         "time.step_limit": STEP_LIMIT,
     }
+    if order == 2:
+        for key in ("scheme.lambda", "scheme.relaxation", "scheme.xi"):
+            del changes[key]
     return Case().with_(**changes)
