@@ -10,12 +10,10 @@ from warpgran.case.sections import KEYS
 from warpgran.errors import OptionError
 
 PRECURSOR = 1e-5  # m, of the layer that the paper's viscosity needs
-ORDER_2: dict[str, Any] = {
-    "scheme.order": 2,
-    "scheme.h_min": None,
-    **{key: None for key, known in KEYS.items() if known.order == 1},
-}
-"""Order 2 with its own least thickness, whatever a run file of order 1 sets."""
+AS_GIVEN: dict[str, Any] = {"scheme.order": 2} | {key: None for key, known in KEYS.items() if known.order == 1}
+"""Order 2, without the keys that order 1 alone has."""
+ORDER_2 = AS_GIVEN | {"scheme.h_min": None}
+"""The same with its own least thickness, whatever a run file of order 1 sets."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +72,7 @@ SETTINGS = (
         {"rheology.phi_stat": 0.585},
         base="defaults",
     ),
+    Setting("order_2_grain", "order 2 with h_min of one grain, as order 1 has it", AS_GIVEN, base="order_2"),
     Setting("order_2_2x", "order 2 with twice the cells", ORDER_2, refinement=2, base="order_2"),
 )
 
