@@ -18,11 +18,11 @@ from warpgran.case.read_study import read_study
 from warpgran.case.study import Study
 from warpgran.case.tables import TableError
 from warpgran.cli.app import app
-from warpgran.paper import claims_coefficients, claims_dilatancy, claims_motion, claims_regime, claims_scheme
+from warpgran.paper import claims_coefficients, claims_dilatancy, claims_motion, claims_regime, claims_scheme, panels
 from warpgran.paper.catalogue import CLAIMS, PICTURES, chosen
 from warpgran.paper.claim import Claim
 from warpgran.paper.laboratory import read_laboratory
-from warpgran.paper.measures import rise, slow_regime
+from warpgran.paper.measures import front_of, mass, rise, slow_regime
 from warpgran.paper.remarks import REMARKS
 from warpgran.paper.reproduce import shipped_runs
 from warpgran.paper.results import NotComputedError, StoredResults, one_of
@@ -183,6 +183,28 @@ def test_walls_change_the_slow_regime(change: float, holds: bool) -> None:
     assert verdict(claims_coefficients.walls_change_regime, make) is holds
 
 
+def test_a_front_is_compacted_and_thickness_is_not() -> None:
+    void = np.where(X > 0.2, 0.06, 0.6)  # a film thicker than a grain that holds next to nothing
+    shot = profile(np.where(X > 0.2, 5e-3, 0.05) * (X < 0.5), phi=void).isel(time=0)
+    assert front_of(shot) == pytest.approx(0.2, abs=2e-3)
+    assert X[mass(shot)].max() < 0.2 and X[mass(shot, 1e-4)].max() == pytest.approx(0.5, abs=1e-3)
+    drawn = panels.values(shot, "h")
+    assert X[np.isfinite(drawn)].max() == pytest.approx(0.5, abs=2e-3)
+    assert X[np.isfinite(panels.values(shot, "phi"))].max() < 0.2
+
+
+def test_the_stabilization_is_judged_only_where_there_is_one() -> None:
+    def make(order: int) -> Callable[..., xr.Dataset]:
+        text = Case().with_(**{"scheme.order": order}).to_toml()
+        still = profile(wedge(), times=(0.36, 1.38, 1.8)).assign_attrs(case_toml=text)
+        return lambda name, **where: still
+
+    assert verdict(claims_scheme.viscosity_on_profiles, make(1)) is True
+    for claim in (claims_scheme.viscosity_at_22, claims_scheme.viscosity_at_0, claims_scheme.viscosity_on_profiles):
+        finding = claim.evaluate(Made(make(2)))
+        assert (finding.holds, finding.value) == (None, "the scheme of order 2 has no viscosity")
+
+
 # What there is
 
 
@@ -209,6 +231,15 @@ def test_run_files_can_be_run_under_every_setting(file: Path) -> None:
         for case in cases if setting.as_paper else []:
             assert case.scheme.viscosity == ("paper" if case.rheology.K > 0 else "bounded")
             assert case.scheme.h_bed > 0
+        for case in cases if setting.name.startswith("order_2") else []:
+            assert case.scheme.order == 2  # which refuses what only order 1 has
+            grains = 1 if setting.name == "order_2_grain" else 5
+            assert case.flat()["scheme.h_min"] == pytest.approx(grains * case.rheology.grain_diameter)
+
+
+def test_settings_that_refine_another_name_it_before_them() -> None:
+    for n, setting in enumerate(SETTINGS):
+        assert not setting.base or setting.base in [other.name for other in SETTINGS[:n] if not other.base]
 
 
 def test_one_run_is_found_by_its_keys() -> None:
@@ -351,7 +382,7 @@ def test_a_figure_from_end_to_end(tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         (["fig04"], "fig04: no such figure; allowed: fig02, fig03, fig05"),
-        (["--setting", "fine"], "setting: 'fine' is not known; allowed: defaults, paper_form, defaults_2x"),
+        (["--setting", "fine"], "setting: 'fine' is not known; allowed: defaults, paper_form, order_2, defaults_2x"),
         (["--runs", "nowhere"], "runs: nowhere is not a folder of run files"),
         (["--data", "nowhere"], "nowhere: is not a folder of measurements"),
         (["fig07", "--set", "grid.cell=90"], "grid.cell: unknown key; did you mean grid.cells?"),

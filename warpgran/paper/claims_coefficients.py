@@ -53,13 +53,13 @@ def thickness_saturates(r: Results) -> Finding:
 def fastest_at_K_1(r: Results) -> Finding:
     """At 0 degrees and 0.36 s the greatest speed of the dense mass rises from K = 0 to 1 and falls for 4.09 and 8.
 
-    Greatest speed where h > 1 mm, and where h > 5 mm; holds if both do so.
+    Greatest speed where h_c > 1 mm, and where h_c > 5 mm; holds if both do so.
     """
     words, holds = [], True
     for level, name in ((1e-3, "1 mm"), (5e-3, "5 mm")):
         shots = {K: at(collapse(r, 0, "dense", K), 0.36) for K in FOUR}
         top = {K: 1e3 * float(over(shot, "v", mass(shot, level)).max()) for K, shot in shots.items()}
-        words.append(f"h > {name}: {by_K(top, '{:.0f}', 'mm/s')}")
+        words.append(f"h_c > {name}: {by_K(top, '{:.0f}', 'mm/s')}")
         holds &= top[1.0] > top[0.0] and top[1.0] > top[K_PAPER] > top[8.0]
     return Finding("; ".join(words), holds)
 

@@ -14,12 +14,12 @@ from warpgran.paper.results import ANGLES, TWO, Results, at, collapse
 def psi_at_first(r: Results) -> Finding:
     """At first dilatancy angles are about 8 degrees at most.
 
-    Greatest |psi| of the mass at 0.06 s, and of its part thicker than 5 mm, both packings, 0 and 22 degrees; holds
+    Greatest |psi| of the mass at 0.06 s, and where h_c > 5 mm, both packings, 0 and 22 degrees; holds
     if between 7 and 9 degrees.
     """
     shots = [at(collapse(r, angle, name), 0.06) for angle in (0, 22) for name in TWO]
     most, thick = (max(abs(over(shot, "psi", mass(shot, level))).max() for shot in shots) for level in (1e-3, 5e-3))
-    return Finding(f"{most:.1f} degrees, {thick:.1f} where h > 5 mm", bool(7 < most < 9))
+    return Finding(f"{most:.1f} degrees, {thick:.1f} where h_c > 5 mm", bool(7 < most < 9))
 
 
 @claim(
@@ -187,7 +187,7 @@ def friction_rises_without_dilatancy(r: Results) -> Finding:
 def dilation_grows(r: Results) -> Finding:
     """In the dense packing the mean dilation of the mass grows with the slope, reaching almost 10 % at 22 degrees.
 
-    Greatest relative change of the volume (h > 1 mm); holds if it grows from slope to slope and is 9 to 11 % at 22
+    Greatest relative change of the volume (h_c > 1 mm); holds if it grows from slope to slope and is 9 to 11 % at 22
     degrees.
     """
     most = {angle: 100 * float(collapse(r, angle, "dense")["volume_change"].max()) for angle in ANGLES}

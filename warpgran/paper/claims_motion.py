@@ -42,8 +42,8 @@ def thickest_is_dense(r: Results) -> Finding:
 def same_front_at_0(r: Results) -> Finding:
     """At 0 degrees the three packings hardly differ near the front.
 
-    Spread of the three deposits' fronts over the extent of the mass, at 1 mm and at 5 mm thickness; holds if both
-    are below 3 %.
+    Spread of the three deposits' fronts over the extent of the mass, at h_c = 1 mm and 5 mm; holds if both are
+    below 3 %.
     """
     shots = [at(collapse(r, 0, name), 1.8) for name in THREE]
     extents = [[extent(shot, level) for shot in shots] for level in (1e-3, 5e-3)]

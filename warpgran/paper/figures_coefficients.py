@@ -126,7 +126,7 @@ def fig20(r: Results, lab: Laboratory) -> Figure:
     """Front position and velocity for four K at 22 degrees.
 
     (a) Front position and (b) front velocity at 22 degrees for K = 0, 1, 4.09 and 8, dense (full lines) and loose
-    (dashed), no walls. The front is where h = 1 mm. (c), not in the paper: the velocity of the front at h = 5 mm,
+    (dashed), no walls. The front is where h_c = 1 mm. (c), not in the paper: the velocity of the front at h_c = 5 mm,
     where the thin foot that runs ahead of the mass is left out.
     """
     figure, axes = sheet(3, 1, 2.1, sharex=True)
@@ -139,7 +139,7 @@ def fig20(r: Results, lab: Laboratory) -> Figure:
         ax.set_xlabel("")
     for ax in axes[1:, 0]:
         ax.set_ylim(0.0, 1.6)
-    head(axes[2, 0], "front at $h$ = 5 mm")
+    head(axes[2, 0], r"front at $h_\mathrm{c}$ = 5 mm")
     return finish(figure, list(axes.flat), 2)
 
 
@@ -149,7 +149,7 @@ def fig21(r: Results, lab: Laboratory) -> Figure:
 
     Near the front at 22 degrees and 1.2 s, no walls: (a) forces at K = 4.09, colours as in Fig. 15, dense (full
     lines) and loose (dotted); (b) dilatancy angle for K = 0, 1, 4.09 and 8, dense (full lines) and loose (dashed),
-    cut off at 3 degrees. Drawn where h > 1 mm.
+    cut off at 3 degrees. Drawn where h_c > 1 mm.
     """
     figure, axes = sheet(2, 1, 2.4)
     for packing, line in (("dense", "-"), ("loose", ":")):
@@ -234,7 +234,7 @@ def fig25(r: Results, lab: Laboratory) -> Figure:
     """Front velocity with wall friction.
 
     Front velocity at 22 degrees with friction at the side walls (dashed) and without (full lines), dense packing, K
-    = 0 and 4.09. The front is where h = 1 mm.
+    = 0 and 4.09. The front is where h_c = 1 mm.
     """
     figure, axes = sheet(1, 1, 2.6)
     for label, (one, style) in with_walls(r, 22).items():

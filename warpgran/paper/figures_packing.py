@@ -80,7 +80,7 @@ def fig06(r: Results, lab: Laboratory) -> Figure:
 def fig07(r: Results, lab: Laboratory) -> Figure:
     """Velocity at 0 degrees.
 
-    Velocity at 0 degrees, at 0.06 s and 0.36 s; no walls. Drawn where h > 1 mm.
+    Velocity at 0 degrees, at 0.06 s and 0.36 s; no walls. Drawn where h_c > 1 mm.
     """
     figure, axes = sheet(1, 2, 2.3)
     for ax, t in zip(axes.flat, (0.06, 0.36), strict=True):
@@ -93,7 +93,7 @@ def fig07(r: Results, lab: Laboratory) -> Figure:
 def fig08(r: Results, lab: Laboratory) -> Figure:
     """Velocity at 22 degrees.
 
-    Velocity at 22 degrees, at 0.06, 0.48, 1.38 and 1.8 s; no walls. Drawn where h > 1 mm.
+    Velocity at 22 degrees, at 0.06, 0.48, 1.38 and 1.8 s; no walls. Drawn where h_c > 1 mm.
     """
     figure, axes = sheet(2, 2)
     for ax, t in zip(axes.flat, GIVEN[22], strict=True):
@@ -107,7 +107,7 @@ def fig09(r: Results, lab: Laboratory) -> Figure:
     """Front position and velocity.
 
     (a) Front position and (b) front velocity at the four slopes, dense (full lines) and loose (dashed), K = 4.09,
-    no walls. The front is where h = 1 mm. (c), not in the paper: the velocity of the front at h = 5 mm.
+    no walls. The front is where h_c = 1 mm. (c), not in the paper: the velocity of the front at h_c = 5 mm.
     """
     figure, axes = sheet(3, 1, 2.1, sharex=True)
     panels = ((axes[0, 0], "front", "collapses"), (axes[1, 0], "front_speed", "collapses"))
@@ -120,7 +120,7 @@ def fig09(r: Results, lab: Laboratory) -> Figure:
             (lab.front if name == "front" else lab.front_speed)(ax, angle)
     for ax in axes[1:, 0]:
         ax.set_ylim(-0.2, 2.0)
-    head(axes[2, 0], "front at $h$ = 5 mm")
+    head(axes[2, 0], r"front at $h_\mathrm{c}$ = 5 mm")
     against_time([axes[2, 0]])
     return finish(figure, list(axes.flat), 2)
 
@@ -131,7 +131,7 @@ def fig10(r: Results, lab: Laboratory) -> Figure:
 
     At 0 degrees: (a), (b) volume fraction, (c), (d) tangent of the dilatancy angle, (e), (f) effective friction, at
     0.06 s (left) and 0.36 s (right), for dense, loose and incompressible masses; the insets show the inertial
-    number (logarithmic) and the thickness. No walls; drawn where h > 1 mm.
+    number (logarithmic) and the thickness. No walls; drawn where h_c > 1 mm.
     """
     figure, axes = _dilatancy_and_friction(r, 0, (0.06, 0.36))
     for ax, t in zip(axes[2], (0.06, 0.36), strict=True):
@@ -172,7 +172,7 @@ def fig11(r: Results, lab: Laboratory) -> Figure:
     """Dilatancy angle at 0 degrees.
 
     Dilatancy angle at 0 degrees, zoomed, at 0.06, 0.24, 0.36 and 0.42 s; no walls. The paper names 0.24 s; the
-    others are ours. Drawn where h > 1 mm; (d) goes on to -19 degrees at the front.
+    others are ours. Drawn where h_c > 1 mm; (d) goes on to -19 degrees at the front.
     """
     return _dilatancy_at(r, 0, (0.06, 0.24, 0.36, 0.42), (-10.0, 5.0))
 
@@ -182,7 +182,7 @@ def fig12(r: Results, lab: Laboratory) -> Figure:
     """Volume fraction, dilatancy and friction at 22 degrees.
 
     At 22 degrees: (a), (b) volume fraction, (c), (d) tangent of the dilatancy angle, (e), (f) effective friction,
-    at 0.48 s (left) and 1.38 s (right; the paper does not give the instants). No walls; drawn where h > 1 mm.
+    at 0.48 s (left) and 1.38 s (right; the paper does not give the instants). No walls; drawn where h_c > 1 mm.
     """
     figure, axes = _dilatancy_and_friction(r, 22, (0.48, 1.38))
     return finish(figure, list(axes.flat))
@@ -193,7 +193,7 @@ def fig13(r: Results, lab: Laboratory) -> Figure:
     """Dilatancy angle at 22 degrees.
 
     Dilatancy angle at 22 degrees, zoomed, from the first instants to shortly before rest; no walls. The paper does
-    not give the instants. Drawn where h > 1 mm.
+    not give the instants. Drawn where h_c > 1 mm.
     """
     return _dilatancy_at(r, 22, (0.06, 0.24, 0.48, 0.90, 1.20, 1.38), (-1.2, 1.2))
 
@@ -202,7 +202,7 @@ def fig13(r: Results, lab: Laboratory) -> Figure:
 def fig14(r: Results, lab: Laboratory) -> Figure:
     """Volume change at the four slopes.
 
-    Change of the volume of the mass (h > 1 mm) over its initial volume at the four slopes, dense (full lines) and
+    Change of the volume of the mass (h_c > 1 mm) over its initial volume at the four slopes, dense (full lines) and
     loose (dashed), K = 4.09, no walls.
     """
     figure, axes = sheet(1, 1, 2.8)

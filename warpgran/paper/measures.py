@@ -1,7 +1,8 @@
 """What the claims measure, in SI units, on one run of a result or one snapshot of it.
 
-The mass is where h > h_front (1 mm), as for the front and the volume of the series; it moves where it is faster than
-1 mm/s; the front zone is its last 5 cm, the rear its first 10 cm.
+The mass is where the compacted thickness h_c = phi h/phi_stat > h_front (1 mm), as for the front and the volume of the
+series; it moves where it is faster than 1 mm/s; the front zone is its last 5 cm, the rear its first 10 cm. What is
+measured of the thickness as such is of h.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from warpgran.analysis.fields import derive, number
-from warpgran.analysis.front import front, thick
+from warpgran.analysis.front import compacted, front, thick
 from warpgran.arrays import Array
 from warpgran.paper.results import NotComputedError
 
@@ -21,13 +22,13 @@ GRAIN_TENTH = 7e-5  # m, a tenth of a grain
 
 
 def mass(shot: xr.Dataset, thicker: float | None = None) -> Array:
-    """Cells thicker than h_front, or than so much [m]."""
-    return np.asarray(thick(shot) if thicker is None else shot["h"] > thicker)
+    """Cells thicker than h_front, or than so much [m], compacted."""
+    return np.asarray(thick(shot) if thicker is None else compacted(shot) > thicker)
 
 
 def front_of(shot: xr.Dataset, level: float = 1e-3) -> float:
-    """The largest x where h falls through a level [m]."""
-    return front(shot["x"].values, shot["h"].values, level)
+    """The largest x where the compacted thickness falls through a level [m]."""
+    return front(shot["x"].values, compacted(shot).values, level)
 
 
 def extent(shot: xr.Dataset, level: float = 1e-3) -> float:
@@ -85,11 +86,11 @@ def solid_share(shot: xr.Dataset, of: Array, among: Array) -> float:
 def rise(shot: xr.Dataset, length: float = 0.1) -> float:
     """How much the thickness rises toward the front within the last 10 cm, all rises together [m].
 
-    A profile that falls to the front has none; an oscillation has the sum of its amplitudes. The film thinner than a
-    tenth of a grain is left out.
+    A profile that falls to the front has none; an oscillation has the sum of its amplitudes. The film whose solid is
+    thinner than a tenth of a grain is left out.
     """
     h, x = shot["h"].values, shot["x"].values
-    zone = (h > GRAIN_TENTH) & (x > front_of(shot, GRAIN_TENTH) - length)
+    zone = mass(shot, GRAIN_TENTH) & (x > front_of(shot, GRAIN_TENTH) - length)
     return float(np.clip(np.diff(h[zone]), 0.0, None).sum())
 
 

@@ -11,6 +11,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from warpgran.analysis.fields import number
 from warpgran.figures.style import FRONT_LABEL, THIN, TIME_LABEL, WIDTH, letter
 from warpgran.paper.measures import field, mass
 
@@ -60,10 +61,11 @@ def finish(figure: Figure, axes: Sequence[Axes], names: int = 4, of: Sequence[Ax
 
 
 def values(shot: xr.Dataset, name: str, whole: bool = False) -> np.ndarray:
-    """A field in the unit of its label; NaN outside the mass, but thickness one cell beyond it too, so that it ends."""
+    """A field in the unit of its label; NaN outside the mass. Thickness is shown where h itself is over h_front."""
     thick = mass(shot)
     if name == "h":
-        thick = thick | np.roll(thick, 1)
+        thick = shot["h"].values > number(shot, "scheme.h_front")
+        thick = thick | np.roll(thick, 1)  # so that the line ends
     found = np.tan(np.deg2rad(field(shot, "psi"))) if name == "tan_psi" else field(shot, name)
     return np.where(thick | whole, FACTORS.get(name, 1.0) * found, np.nan)
 

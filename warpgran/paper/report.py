@@ -13,7 +13,7 @@ from warpgran.files import replacing
 from warpgran.paper.claim import Claim, Finding
 from warpgran.paper.picture import Picture
 from warpgran.paper.remarks import REMARKS
-from warpgran.paper.settings import AS_PAPER, DEFAULTS, SETTINGS
+from warpgran.paper.settings import AS_PAPER, DEFAULTS, SECOND_ORDER, SETTINGS
 
 Judged = tuple[Claim, dict[str, Finding]]
 """A claim and its findings by setting."""
@@ -38,48 +38,47 @@ def write_csv(judged: Sequence[Judged], path: Path) -> None:
 
 
 def counted(judged: Sequence[Judged]) -> list[str]:
-    """How many claims hold with our defaults and as the paper has it, and what the other settings change, in words."""
+    """How many claims hold under the settings that stand for themselves, and what the others change, in words."""
     words = []
-    for setting in (DEFAULTS, AS_PAPER):
+    for setting in SETTINGS:
+        if setting.base:
+            changed = sum(found[setting.name].holds is not found[setting.base].holds for _, found in judged)
+            words.append(f"{setting.words}: {changed} verdicts are others")
+            continue
         verdicts = [found[setting.name].holds for _, found in judged]
         words.append(
             f"{setting.words}: {verdicts.count(True)} claims hold, {verdicts.count(False)} do not, "
             f"{verdicts.count(None)} cannot be told"
         )
-    for setting in SETTINGS[2:]:
-        base = AS_PAPER if setting.as_paper else DEFAULTS
-        changed = sum(found[setting.name].holds is not found[base.name].holds for _, found in judged)
-        words.append(f"{setting.words}: {changed} verdicts are others")
     return words
 
 
 def put_claims(page: Page, judged: Sequence[Judged]) -> None:
-    """The table of all claims, under the two settings that count, and where another one changes the verdict."""
+    """The table of all claims, under the settings that stand for themselves, and where another changes the verdict."""
     page.heading("Claims", "claims")
     page.paragraph(
-        "What the paper states, and whether it is so here. Each claim is judged with our defaults and as the paper has "
-        "it, with the run files' cells and with more, and with phi_stat = 0.585; how, the figures "
-        "and claims.csv say. A claim that does not hold is a result, not a failure."
+        "What the paper states, and whether it is so here. Each claim is judged with the run files as they are and as "
+        "the paper has it, both of order 1, and with order 2, with the run files' cells and with more, and with "
+        "phi_stat = 0.585; how, the figures and claims.csv say. A claim that does not hold is a result, "
+        "not a failure."
     )
     for line in counted(judged):
         page.paragraph(f"{line[0].upper()}{line[1:]}.")
     rows = []
     for claim, found in judged:
-        ours, theirs = found[DEFAULTS.name], found[AS_PAPER.name]
+        ours = found[DEFAULTS.name]
+        others = [f"{found[other.name].verdict}: {found[other.name].value}" for other in (AS_PAPER, SECOND_ORDER)]
         says = f"{claim.says} [{claim.paper}]" if claim.paper else claim.says
         remark = " ".join(filter(None, (_elsewhere(found), REMARKS.get(claim.name, ""))))
-        rows.append([claim.place, says, ours.value, YES_NO[ours.holds], f"{theirs.verdict}: {theirs.value}", remark])
-    page.table(["place", "the paper says", "defaults", "holds", "as the paper has it", "remark"], rows, verdict="holds")
+        rows.append([claim.place, says, ours.value, YES_NO[ours.holds], *others, remark])
+    names = ["place", "the paper says", "defaults", "holds", "as the paper has it", "order 2", "remark"]
+    page.table(names, rows, verdict="holds")
 
 
 def _elsewhere(found: dict[str, Finding]) -> str:
     """The settings whose verdict differs from that of the one that they refine or change, in words."""
-    words = []
-    for setting in SETTINGS[2:]:
-        other, base = found[setting.name], found[(AS_PAPER if setting.as_paper else DEFAULTS).name]
-        if other.holds is not base.holds:
-            words.append(f"{setting.name}: {other.verdict} ({other.value}).")
-    return " ".join(words)
+    changed = [s.name for s in SETTINGS if s.base and found[s.name].holds is not found[s.base].holds]
+    return " ".join(f"{name}: {found[name].verdict} ({found[name].value})." for name in changed)
 
 
 def put_picture(page: Page, picture: Picture, path: Path, judged: Sequence[Judged]) -> None:

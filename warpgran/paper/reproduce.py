@@ -125,7 +125,8 @@ def _page(plan: Plan, pictures: tuple[Picture, ...], ended_early: list[str], jud
     page.paragraph(
         "The numerical results of F. Bouchut, E. D. Fernandez-Nieto, E. H. Kone, A. Mangeney and G. Narbona-Reina, "
         "computed with warpgran from the run files below, to be read beside their paper. Figures have the paper's "
-        f"numbers. They are drawn with {plan.setting.words}."
+        f"numbers. They are drawn with {plan.setting.words}. Fronts, and the mass behind them, are measured in "
+        "compacted thickness h_c = phi h/phi_stat, thickness itself in h."
     )
     if not plan.laboratory.tables:
         page.paragraph("Laboratory measurements are not public; --data FOLDER lays yours over the figures.")
