@@ -1,7 +1,8 @@
 """The figure of one run: its profiles and series on one page.
 
 SI units but for thicknesses (cm), volume changes (%) and angles (degrees). Values that are NaN are left out. Velocity,
-volume fraction and dilatancy angle are drawn only where h > h_front: thinner material is no continuum.
+volume fraction and dilatancy angle are drawn only where the compacted thickness exceeds h_front: thinner material is no
+continuum.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ def draw_run(data: xr.Dataset, run: int) -> Figure:
 def _caption(one: xr.Dataset, drawn: int, held: int) -> str:
     """The small print under the profiles."""
     h_front = 1000.0 * number(one, "scheme.h_front")
-    caption = rf"$v$, $\varphi$ and $\psi$ are drawn only where $h$ > {h_front:g} mm."
+    caption = rf"$v$, $\varphi$ and $\psi$ are drawn only where $\varphi h/\varphi_\mathrm{{stat}}$ > {h_front:.3g} mm."
     return caption + (f" {drawn} of the {held} snapshots are shown." if drawn < held else "")
 
 
@@ -120,7 +121,7 @@ def _draw_speeds(one: xr.Dataset, ax: Axes, marker: str | None) -> None:
     ax.lines[0].set_label(r"$|v|$, maximum")
     ax.plot(one["series_time"], one["front_speed"], color="tab:blue", linestyle="--", marker=marker)
     ax.lines[1].set_label(r"$\dot{x}_\mathrm{f}$, front")
-    ax.axhline(rest_speed, **THIN, linestyle="-.", label=f"rest: $|v|$ < {1000 * rest_speed:g} mm/s")
+    ax.axhline(rest_speed, **THIN, linestyle="-.", label=f"rest: $|v|$ < {1000 * rest_speed:.3g} mm/s")
     fastest = np.nanmax([line.get_ydata() for line in ax.lines[:2]])
     if fastest > rest_speed:
         ax.set_yscale("log")
