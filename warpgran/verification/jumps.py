@@ -93,8 +93,8 @@ def riemann(options: CheckOptions) -> CheckResult:
         2/3: asked of order 2 is 0.6. Asked of h and h v under order 2 is 0.9 in the problem with a fan. In the two
         others a shock crosses the grid at 0.2 and 0.3 m/s, a third of the speed of sound and less, and sheds ripples
         that a second-order scheme hardly damps, as is known of slow shocks; these, all over what lies between the
-        shocks, and the jump of h at the contact converge with order 0.4 to 0.6 and make up the error. It is half of
-        that of order 1; asked is 0.55.
+        shocks, and the jump of h at the contact converge
+        with order 0.4 to 0.6 and make up the error; asked is 0.55.
 
         A contact at rest whose sides have the same pressure is kept to rounding without friction, and by order 2 to
         the last bit with friction. With friction order 1 is not that exact: the apparent topography is made for two
