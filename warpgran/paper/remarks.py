@@ -63,8 +63,8 @@ REMARKS = {
     ),
     "full-stop": (
         "The least thickness h_min in the shear rate decides: slower than 1 mm/s from 3.6 s on and than 0.01 mm/s from "
-        "7.7 s with five grains (order 2), from 5 s and 21 to 24 s with one, with either order and on all cells. Over a "
-        "layer of 0.01 mm the paper's viscosity drives phi beyond 1 at 2.0 s, and the run ends."
+        "7.7 s with five grains (order 2), from 5 s and 21 to 24 s with one, with either order and on all cells. "
+        "Over a layer of 0.01 mm the paper's viscosity drives phi beyond 1 at 2.0 s, and the run ends."
     ),
     "no-slow-regime": (
         "The finer, the less it holds: with order 2 every front, at 1 mm and at 5 mm, is caught up by the body of its "
