@@ -18,6 +18,7 @@ from helpers.rooms import arrows
 import warpgran as wg
 from warpgran.case.key_tables import with_tables
 from warpgran.paper.catalogue import CLAIMS
+from warpgran.paper.remarks import OURS
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
@@ -86,8 +87,9 @@ def test_the_tables_of_keys_are_those_of_the_code() -> None:
 def test_every_claim_of_the_paper_is_in_the_table() -> None:
     lines = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8").splitlines()
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("|")]
-    told = [row[1] for row in rows if len(row) == 7][2:]
+    told = [row[1] for row in rows if len(row) == 9][2:]
     assert told == [f"{claim.says} [{claim.paper}]" if claim.paper else claim.says for claim in CLAIMS]
+    assert [row[0].endswith("†") for row in rows if len(row) == 9][2:] == [claim.name in OURS for claim in CLAIMS]
 
 
 def test_every_dependency_is_explained() -> None:

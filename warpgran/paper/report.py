@@ -12,7 +12,7 @@ from warpgran.figures.page import Page
 from warpgran.files import replacing
 from warpgran.paper.claim import Claim, Finding
 from warpgran.paper.picture import Picture
-from warpgran.paper.remarks import REMARKS
+from warpgran.paper.remarks import remark
 from warpgran.paper.settings import AS_PAPER, DEFAULTS, SECOND_ORDER, SETTINGS
 
 Judged = tuple[Claim, dict[str, Finding]]
@@ -32,7 +32,7 @@ def write_csv(judged: Sequence[Judged], path: Path) -> None:
         row = {"claim": claim.name, "place": claim.place, "statement": claim.says, "paper": claim.paper}
         for name, finding in found.items():
             row |= {name: finding.value, f"{name}_verdict": finding.verdict}
-        rows.append(row | {"how": claim.how, "remark": REMARKS.get(claim.name, "")})
+        rows.append(row | {"how": claim.how, "remark": remark(claim.name)})
     with replacing(path) as part:
         pd.DataFrame(rows).to_csv(part, index=False, lineterminator="\n", encoding="utf-8")
 
@@ -69,8 +69,8 @@ def put_claims(page: Page, judged: Sequence[Judged]) -> None:
         ours = found[DEFAULTS.name]
         others = [f"{found[other.name].verdict}: {found[other.name].value}" for other in (AS_PAPER, SECOND_ORDER)]
         says = f"{claim.says} [{claim.paper}]" if claim.paper else claim.says
-        remark = " ".join(filter(None, (_elsewhere(found), REMARKS.get(claim.name, ""))))
-        rows.append([claim.place, says, ours.value, YES_NO[ours.holds], *others, remark])
+        known = " ".join(filter(None, (_elsewhere(found), remark(claim.name))))
+        rows.append([claim.place, says, ours.value, YES_NO[ours.holds], *others, known])
     names = ["place", "the paper says", "defaults", "holds", "as the paper has it", "order 2", "remark"]
     page.table(names, rows, verdict="holds")
 
