@@ -66,4 +66,4 @@ def cap(options: CheckOptions) -> CheckResult:
 
 def _lag(grid: Computed, m: float, times: tuple[float, float]) -> float:
     """Share of the momentum of the whole cap that is missing at the last time."""
-    return 1.0 - float((grid.h[1] * grid.v[1]).sum() / (grid.h[1].sum() * m * times[1]))
+    return abs(1.0 - float((grid.h[1] * grid.v[1]).sum() / (grid.h[1].sum() * m * times[1])))
