@@ -79,7 +79,7 @@ class Scheme(NamedTuple):
 ORDER_1 = {"scheme.order": 1}
 ORDER_2 = {"scheme.order": 2, "scheme.start": 0}
 STARTED = {"scheme.order": 2}
-SECOND_MM = (10.0, 8.0, 5.0, 4.0, 2.5, 2.0, 1.0, 0.5)
+SECOND_MM = (10.0, 8.0, 5.0, 4.0, 2.5, 2.0, 1.6, 1.25, 1.0, 0.5)
 SCHEMES = {
     "order 1": Scheme(ORDER_1, (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125), "warp", "#d55e00", "s"),
     "order 2": Scheme(ORDER_2, SECOND_MM, "warp", "#0072b2", "o"),
