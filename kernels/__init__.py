@@ -22,6 +22,7 @@ What both share:
     record.py       series and snapshots of the runs that are due
     timestep.py     dt of each run
     clock.py        time of each run, its window, the end of the loop
+    means.py        from finer cells to coarser ones
     ranges.py       which cells a thread visits
     lanes.py        what the lanes of a block find together
     ghosts.py       periodic ends

@@ -3,7 +3,7 @@
 import functools
 from typing import Any, NamedTuple
 
-from warpgran.kernels import clock, first, lanes, record, second, timestep
+from warpgran.kernels import clock, first, lanes, means, record, second, timestep
 from warpgran.kernels.first import stages as first_stages
 from warpgran.kernels.precision import CAREFUL, FAST, Variant, module, precision
 from warpgran.kernels.second import stages as second_stages
@@ -45,6 +45,12 @@ def build(variant: Variant, many_lanes: bool = False) -> Stages:
     fast = module(_named(variant.name, many_lanes), FAST + scheme.flags)
     careful = _careful(variant.precision, scheme.empty, many_lanes)
     return scheme.make(variant, careful, lanes.make(many_lanes), fast)
+
+
+@functools.cache
+def build_means(name: str) -> Any:
+    """The kernel that hands a state over to coarser cells, of the precision of that name."""
+    return means.make(precision(name), module(f"warpgran_{name}_means", CAREFUL))
 
 
 @functools.cache

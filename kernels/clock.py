@@ -69,11 +69,11 @@ def make(kinds: Precision, empty: int, module: Any) -> Clock:
         # inputs
         U0: A, times: Doubles, budget: Ints,
         # per run
-        params: Params, dt_exact: Doubles, output: Ints,
+        params: Params, dt_exact: Doubles, output: Ints, t_stop: Doubles,
         # outputs
         t: Doubles, steps: Ints, status: Ints, active: Ints, due: Ints, lo: Ints, hi: Ints, running: Ints,
     ):  # fmt: skip
-        """Advance the time of each run; retire those that have diverged or are out of steps."""
+        """Advance the time of each run; retire those that have diverged, are out of steps or at their stop."""
         run = wp.tid()
         if active[run] == 0:
             return
@@ -81,10 +81,13 @@ def make(kinds: Precision, empty: int, module: Any) -> Clock:
         widen(U0, lo, hi, run, p)
         steps[run] = steps[run] + 1
         dt = dt_exact[run]
-        t_out = times[output[run]]
-        if dt >= t_out - t[run]:  # the output limited the step: its time is met exactly
+        t_out = wp.min(times[output[run]], t_stop[run])
+        if dt >= t_out - t[run]:  # an output or the stop limited the step: its time is met exactly
             t[run] = t_out
-            due[run] = 1
+            if t_out < t_stop[run]:
+                due[run] = 1
+            else:
+                active[run] = 0
         elif dt > wp.float64(0.0) and t[run] + dt > t[run]:
             t[run] = t[run] + dt
             if steps[run] >= p.step_limit:

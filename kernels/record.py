@@ -5,6 +5,7 @@ next step starts from, and no run waits for another at an output time. It is lau
 the runs that are not due.
 """
 
+import functools
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -48,13 +49,10 @@ class Record(NamedTuple):
     at_rest: Any
 
 
-def make(kinds: Precision, lanes: Lanes, module: Any) -> Record:
-    """The kernel of a precision; the module must be one that honours NaN."""
-    Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
-    Sample = wp.types.vector(length=len(SCALARS), dtype=wp.float64)
-    most, least, total = lanes.most, lanes.least, lanes.total
-    zero = wp.float64(0.0)
-    half = wp.float64(0.5)
+@functools.cache
+def make_sound(kinds: Precision) -> Any:
+    """The function of a precision that judges a cell; for modules that honour NaN."""
+    Real = kinds.Real
 
     @wp.func
     def sound(U0: Real, U1: Real, U2: Real) -> bool:
@@ -64,6 +62,18 @@ def make(kinds: Precision, lanes: Lanes, module: Any) -> Record:
         """
         finite = wp.isfinite(U0) and wp.isfinite(U1) and wp.isfinite(U2)
         return finite and U0 >= Real(-DRY) and (U0 <= Real(DRY) or (U2 > Real(0.0) and U2 <= U0))
+
+    return sound
+
+
+def make(kinds: Precision, lanes: Lanes, module: Any) -> Record:
+    """The kernel of a precision; the module must be one that honours NaN."""
+    A, RunParams, Params = kinds.Array, kinds.RunParams, kinds.Params
+    Sample = wp.types.vector(length=len(SCALARS), dtype=wp.float64)
+    most, least, total = lanes.most, lanes.least, lanes.total
+    sound = make_sound(kinds)
+    zero = wp.float64(0.0)
+    half = wp.float64(0.5)
 
     @wp.func
     def first_unsound(U0: A, U1: A, U2: A, lane: int, p: RunParams) -> int:

@@ -16,11 +16,11 @@ def make(kinds: Precision, module: Any) -> Any:
         # inputs
         times: Doubles,
         # per run
-        params: Params, active: Ints, t: Doubles, output: Ints,
+        params: Params, active: Ints, t: Doubles, t_stop: Doubles, output: Ints,
         # outputs
         max_speed: A, max_viscosity: A, dt: A, dt_exact: Doubles, budget: Ints, running: Ints,
     ):  # fmt: skip
-        """The least of the CFL limit, the parabolic limit and the time left to the output; resets the maxima."""
+        """The least of the CFL limit, the parabolic limit and the time left to output or stop; resets the maxima."""
         run = wp.tid()
         if run == 0:
             budget[0] = budget[0] - 1
@@ -31,7 +31,7 @@ def make(kinds: Precision, module: Any) -> Any:
         dx = wp.float64(p.dx)
         speed = wp.float64(max_speed[run])
         viscosity = wp.float64(p.xi_max) * wp.float64(max_viscosity[run])
-        step = times[output[run]] - t[run]
+        step = wp.min(times[output[run]], t_stop[run]) - t[run]
         if speed != wp.float64(0.0):  # true of a NaN too, which must not be taken for a run at rest
             step = wp.min(step, wp.float64(p.cfl) * dx / speed)
         if viscosity > wp.float64(0.0):

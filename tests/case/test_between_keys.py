@@ -188,6 +188,7 @@ def test_a_sweep_is_no_case() -> None:
         ({"grid.left": 1.0, "grid.right": 1.0 + 1e-13}, "grid.cells", "precision"),
         ({"column.start": -0.3}, "column.start", "from -0.3 to -0.1 m is not inside the grid; allowed: -0.2 to 1.6 m"),
         ({"column.start": 1.5}, "column.start", "not inside the grid"),
+        ({"grid.cells": 10_000_000, "scheme.start": 1}, "scheme.start", "allowed: grid.cells 2^start <= 10000000"),
         ({"column.length": 1.9}, "column.length", "not inside the grid"),
         ({"column.length": 4e-4}, "column.length", "covers no cell centre"),
         ({"scheme.h_bed": 0.14}, "scheme.h_bed", "< the column's height"),

@@ -13,8 +13,8 @@ from warpgran.case.case import Case
 WALLS: dict[str, Any] = {"scheme.left": "wall", "scheme.right": "wall"}
 PERIODIC: dict[str, Any] = {"scheme.left": "periodic", "scheme.right": "periodic"}
 OPEN: dict[str, Any] = {"scheme.left": "open", "scheme.right": "open"}
-SECOND: dict[str, Any] = {"scheme.order": 2, "scheme.h_min": 3.5e-3}
-"""Order 2 with the h_min of the table, five grains."""
+SECOND: dict[str, Any] = {"scheme.order": 2, "scheme.h_min": 3.5e-3, "scheme.start": 0}
+"""Order 2 with the h_min of the table, five grains, without a start on finer cells."""
 CELLS = 128  # so that centres, and with them the interpolation of the tables, are exact
 
 
@@ -59,6 +59,13 @@ TABLE: list[Any] = [
         (0.40, 800, "7.042329 37.94324 34.79745 0.50294375 7.3727")], id="-10, bump"),
     pytest.param({"slope.angle": -30.0, **_grid(-0.05, 0.55, 240), "column.start": 0.0, **OPEN}, [
         (0.25, 381, "8.017372 37.40611 34.81012 0.88868732 -26.4920")], id="-30, open"),
+    pytest.param({**_FLAT, "grid.cells": 400, "scheme.start": 2}, [
+        (0.02, None, "14.000000 3.82230 3.24530 2.01748064 0.4527"),
+        (0.20, None, "14.000576 28.20426 23.93575 0.90963381 3.9613"),
+        (0.50, 984, "14.012367 34.15542 30.30962 0.00000000 3.8682")], id="0, start"),
+    pytest.param({"slope.angle": 22.0, **_grid(-0.2, 1.6, 450), "scheme.start": 2}, [
+        (0.48, None, "6.219809 68.82986 61.54447 0.97241217 9.5632"),
+        (1.38, 1145, "4.445712 107.43599 105.52569 0.26512262 7.0583")], id="22, start"),
 ]  # fmt: skip
 """Numbers of an independent implementation."""
 

@@ -12,6 +12,8 @@ from warpgran.case.tables import ProfileTable, Table
 from warpgran.case.times import SAME_TIME
 
 MOST_TIMES = 1_000_000
+MOST_CELLS = 10_000_000
+"""Most cells of the finest level of a start."""
 MOST_RELAXATION = {"f0": 20.0, "f1": 60.0, "f2": 60.0}
 """Largest 2.5 cfl K dx/h_min of an exponential relaxation, by phi_eq; docs/limits.md says what happens above it."""
 _ENDS = ("grid.left", "grid.right")
@@ -39,6 +41,9 @@ def cross_problems(
     if problem:
         yield problem
         return  # nothing can be placed on such a grid
+    if grid.cells * 2**scheme.start_levels > MOST_CELLS:
+        allowed = f"grid.cells 2^start <= {MOST_CELLS}, with grid.cells {grid.cells}"
+        yield _out_of_range("scheme.start", scheme.start, allowed, "grid.cells", "scheme.order")
     if slope.bed is not None and not _overlap(slope.bed, grid):
         yield _no_overlap("slope.bed", slope.bed, grid)
     if column.profile is None:

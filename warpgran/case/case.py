@@ -107,6 +107,11 @@ class Case(Model):
         problems = [problem for key, value in changes.items() if (problem := set_key(data, key, value))]
         return self._checked(data, problems, self._folder, self._source)
 
+    def refined(self, level: int) -> Case:
+        """The case on 2^level times the cells, not checked again: what is refused is refused of the case itself."""
+        grid = self.grid.model_copy(update={"cells": self.grid.cells * 2**level})
+        return self.model_copy(update={"grid": grid}) if level else self
+
     def sweep(
         self, over: Mapping[str, Any], *, mode: str = "product", samples: int | None = None, seed: int = 1
     ) -> Study:

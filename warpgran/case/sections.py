@@ -244,6 +244,11 @@ class Scheme(Model):
     """Visit only what is wet. Off gives the same bits, for measuring."""
 
     @property
+    def start_levels(self) -> int:
+        """Levels of finer cells that a run starts on; none with order 1."""
+        return self.start if self.order == 2 else 0
+
+    @property
     def periodic(self) -> bool:
         """Whether the two ends of the grid are one interface."""
         return self.left == "periodic"

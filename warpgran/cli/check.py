@@ -17,7 +17,7 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     """Check a run file without running it: grid, outputs, least number of steps, memory and file size."""
     from warpgran.case.read_study import read_study
     from warpgran.results.layout import Layout
-    from warpgran.solve.state import bytes_of_run
+    from warpgran.solve.state import bytes_of_run, bytes_of_start
     from warpgran.solve.variant import variant_of
 
     study = read_study(file, set_ or ())
@@ -34,7 +34,11 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     )
     typer.echo(f"{outputs.snapshots} snapshots and {outputs.samples} samples")
     typer.echo(f"{cell_steps:.3g} cell-steps or more")
-    typer.echo(f"memory: {size(bytes_of_run(layout.cells, outputs, variant_of(case, precision)))} a run being computed")
+    variant = variant_of(case, precision)
+    memory = bytes_of_run(layout.cells, outputs, variant) + bytes_of_start(
+        layout.cells, case.scheme.start_levels, variant
+    )
+    typer.echo(f"memory: {size(memory)} a run being computed")
     typer.echo(f"file: {size(per_run * len(study))} before compression")
 
 

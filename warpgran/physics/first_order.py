@@ -220,4 +220,5 @@ class FirstOrder(Run):
         self.U = diffuse(U, positive(v_f * Dz), dt, case)
         self.t = t_out if last else self.t + dt
         self.steps += 1
+        self.cell_steps += self.case.grid.cells
         return dt

@@ -39,6 +39,9 @@ PHI_MIN = 1e-4
 UNHELD = 1e300
 """A bound on the drive (m) where there is none."""
 
+START_TRAVEL = 20.0
+"""A level of the start lasts until the fastest wave of the column at rest has gone so many of its cells."""
+
 
 class Cells(NamedTuple):
     """What a state decodes to, at cells, shape (cells,): q = sqrt(phi) h [m], s = sqrt(phi), v [m/s], c = s^(2a)."""
@@ -354,19 +357,55 @@ def bed_drop(case: Case) -> Array:
     return (b_r - b_l) - case.dx * np.tan(np.deg2rad(case.slope.angle))
 
 
+def means_of_pairs(U: Array) -> Array:
+    """A state on half as many cells. U: (3, cells)."""
+    return 0.5 * (U[:, ::2] + U[:, 1::2])
+
+
+def end_of_level(case: Case, c_0: float) -> float:
+    """When a level of the start ends [s], given its case and c_0, sqrt(g_c max h) of the finest level's state [m/s]."""
+    return float(START_TRAVEL * case.dx / c_0) if c_0 > 0.0 else 0.0
+
+
 class SecondOrder(Run):
-    """One run of a case by the scheme of order 2, advanced step by step."""
+    """One run of a case by the scheme of order 2, advanced step by step.
+
+    A start on finer cells (`scheme.start`) begins on the level of the finest; each level hands over to the next coarser
+    one until level 0, the cells of the run proper.
+    """
 
     def __init__(self, case: Case) -> None:
-        super().__init__(case)
-        self.drop = bed_drop(case)
+        self._levels = [case.refined(level) for level in range(case.scheme.start_levels + 1)]
+        self._level = case.scheme.start_levels
+        self._drops = [bed_drop(on) for on in self._levels]
+        super().__init__(self._levels[-1])
+        c_0 = np.sqrt(case.g_c * self.case.initial_state()[0].max())
+        self._ends = [np.inf, *(end_of_level(on, c_0) for on in self._levels[1:])]
+        self._coarsen()
+
+    @property
+    def recorded(self) -> tuple[Array, Case]:
+        """The state as means over the cells of the run proper, and its case."""
+        U = self.U
+        for _ in range(self._level):
+            U = means_of_pairs(U)
+        return U, self._levels[0]
 
     def step(self, t_out: float = np.inf) -> float:
-        """One step, not beyond t_out [s]; returns dt [s]."""
+        """One step, not beyond t_out [s] nor the end of a level of the start; returns dt [s]."""
+        t_out = min(t_out, self._ends[self._level])
         dt = time_step(unknowns(self.U, self.case), self.case)
         last = t_out - self.t <= dt
         dt = t_out - self.t if last else dt
-        self.U = step(self.U, dt, self.drop, self.case)
+        self.cell_steps += self.case.grid.cells
+        self.U = step(self.U, dt, self._drops[self._level], self.case)
         self.t = t_out if last else self.t + dt
         self.steps += 1
+        self._coarsen()
         return dt
+
+    def _coarsen(self) -> None:
+        """Go to the run proper, or to the level whose time has not come yet."""
+        while self.t >= self._ends[self._level]:
+            self._level -= 1
+            self.U, self.case = means_of_pairs(self.U), self._levels[self._level]

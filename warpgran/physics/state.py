@@ -69,10 +69,10 @@ class Run(ABC):
     """One run of a case.
 
     Attributes:
-        case: The case.
+        case: The case, on the cells that U is on.
         U: state (3, cells): phi h [m], phi h v [m2/s], phi^alpha h [m].
         t: time, s.
-        steps: steps taken.
+        steps: steps taken; cell_steps: the same times the cells of each.
     """
 
     def __init__(self, case: Case) -> None:
@@ -81,11 +81,17 @@ class Run(ABC):
         self.U: Array = np.stack((phi * h, phi * h * case.initial_velocity(), phi**case.scheme.alpha * h))
         self.t = 0.0
         self.steps = 0
+        self.cell_steps = 0
+
+    @property
+    def recorded(self) -> tuple[Array, Case]:
+        """The state on the cells of the run proper, and its case."""
+        return self.U, self.case
 
     @property
     def fields(self) -> Fields:
-        """h [m], v [m/s], phi [-] at cells."""
-        return decode(self.U, self.case)
+        """h [m], v [m/s], phi [-] at the cells of the run proper."""
+        return decode(*self.recorded)
 
     @abstractmethod
     def step(self, t_out: float = np.inf) -> float:
@@ -103,29 +109,30 @@ class Run(ABC):
         is where it falls through h_front; v_flow (largest speed) and volume count only the cells where it is more. mass
         is the volume of solid per unit width; energy is (2.7) per rho_s and unit width.
         """
-        case = self.case
-        h, v, phi = self.fields
+        U, case = self.recorded
+        h, v, phi = decode(U, case)
         rho, g_c = phi * h, case.g_c
         h_c = rho / case.rheology.phi_stat
         thick = h_c > case.h_front
         energy = rho * (0.5 * v**2 + 0.5 * g_c * h + g_c * case.bhat)
         return {
-            "front": self.front(h_c),
+            "front": _front(h_c, case),
             "h_max": float(h.max()),
             "v_max": float(np.abs(v).max()),
             "v_flow": float(np.abs(v[thick]).max(initial=0.0)),
             "volume": float(h[thick].sum() * case.dx),
-            "mass": float(self.U[0].sum() * case.dx),
+            "mass": float(U[0].sum() * case.dx),
             "energy": float(energy.sum() * case.dx),
         }
 
-    def front(self, h_c: Array) -> float:
-        """Largest x [m] where the compacted thickness h_c [m] falls through h_front, linear between cell centres."""
-        x, level = self.case.x, self.case.h_front
-        thick = np.flatnonzero(h_c > level)
-        if thick.size == 0:
-            return float(self.case.grid.left)
-        i = thick[-1]
-        if i == h_c.size - 1:
-            return float(x[i])
-        return float(x[i] + (h_c[i] - level) / (h_c[i] - h_c[i + 1]) * self.case.dx)
+
+def _front(h_c: Array, case: Case) -> float:
+    """Largest x [m] where the compacted thickness h_c [m] falls through h_front, linear between cell centres."""
+    x, level = case.x, case.h_front
+    thick = np.flatnonzero(h_c > level)
+    if thick.size == 0:
+        return float(case.grid.left)
+    i = thick[-1]
+    if i == h_c.size - 1:
+        return float(x[i])
+    return float(x[i] + (h_c[i] - level) / (h_c[i] - h_c[i + 1]) * case.dx)

@@ -35,7 +35,7 @@ class Outcome:
         interrupted: Whether Ctrl-C ended it.
         failures: How each run that diverged did so, by its number in the study.
         threads: Threads that computed.
-        cell_steps: Sum over runs of steps times cells.
+        cell_steps: Sum over the steps of all runs of the cells that each was taken on.
         kernel_seconds: Time loops alone, averaged over the threads.
         wall_seconds: The whole computation.
     """
@@ -66,8 +66,7 @@ def store(sink: Sink, outcome: Outcome, runs: Sequence[int], cases: Sequence[Cas
     """Hand a block that has ended to the sink, and count it in the outcome."""
     layout = sink.layout
     sink.put(np.searchsorted(layout.runs, runs).tolist(), layout.rows(cases, finished))
-    cells = np.array([case.grid.cells for case in cases])
-    outcome.cell_steps += int((finished.steps * cells).sum())
+    outcome.cell_steps += int(finished.cell_steps.sum())
     outcome.kernel_seconds += finished.seconds
     outcome.failures |= {runs[r]: str(failure) for r, failure in finished.failures.items()}
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from warpgran.case.study import Study
 from warpgran.kernels.precision import Variant
 from warpgran.solve.schedule import Outputs
-from warpgran.solve.state import bytes_of_run, most_runs, padded_cells
+from warpgran.solve.state import bytes_of_run, bytes_of_start, most_runs, padded_cells
 from warpgran.solve.variant import KEYS, variant_of
 
 CACHE = 3 * 2**19
@@ -35,7 +35,7 @@ class Block(NamedTuple):
 def plan(
     study: Study, runs: Sequence[int], outputs: Outputs, precision: str, *, on_cpu: bool, threads: int, memory: float
 ) -> list[Block]:
-    """Cut runs of a study into blocks, each of one variant and of grids of about one size.
+    """Cut runs of a study into blocks, each of one variant, of grids of about one size and starts of as many levels.
 
     Args:
         study: All runs.
@@ -49,26 +49,36 @@ def plan(
     Raises:
         MemoryError: A single run takes more, or more than any memory; the message says how much.
     """
-    groups: dict[tuple[Variant, int], list[int]] = {}
+    groups: dict[tuple[Variant, int, int], list[int]] = {}
     for run, kind in zip(runs, _kinds(study, runs, precision), strict=True):
         groups.setdefault(kind, []).append(run)
     blocks = []
-    for (variant, padded), members in groups.items():
-        size = bytes_of_run(padded - 1, outputs, variant)
-        if size > memory:
-            raise MemoryError(f"a run of {padded - 1} cells takes {size / 2**20:.0f} MiB; allow that much or more")
+    for (variant, padded, levels), members in groups.items():
+        size, start = bytes_of_run(padded - 1, outputs, variant), bytes_of_start(padded - 1, levels, variant)
+        if size + start > memory:
+            started = f", with its start on {2**levels} times as many," if levels else ""
+            taken = f"{(size + start) / 2**20:.0f} MiB"
+            raise MemoryError(f"a run of {padded - 1} cells{started} takes {taken}; allow that much or more")
         fit = most_runs(padded, outputs, variant)
         if fit == 0:
             kept = f"{outputs.snapshots} snapshots and {outputs.samples} samples"
             raise MemoryError(
                 f"a run of {padded - 1} cells with {kept} has more numbers than fit an array; ask for fewer"
             )
-        most = min(int(memory / max(1, min(threads, len(members))) // size), fit, -(-len(members) // threads))
+        share = memory / max(1, min(threads, len(members)))
+        most = min(_most_in(share, size, start, levels), fit, -(-len(members) // threads))
         if on_cpu:
             most = min(most, CACHE // bytes_of_run(padded - 1, Outputs.none(), variant))
         parts = _evenly(members, max(1, most), threads)
         blocks += [Block(part, len(parts[0]), padded, variant) for part in parts]
     return blocks
+
+
+def _most_in(memory: float, size: int, start: int, levels: int) -> int:
+    """Most runs of a block in so much memory, of `size` each and `start` for as many as start at a time [bytes]."""
+    if memory >= (size << levels) + start:  # more than one of them starts at a time
+        return int(memory // (size + start / 2**levels))
+    return int(max(0.0, memory - start) // size)
 
 
 def _evenly(runs: Sequence[int], most: int, threads: int) -> list[tuple[int, ...]]:
@@ -79,17 +89,18 @@ def _evenly(runs: Sequence[int], most: int, threads: int) -> list[tuple[int, ...
     return [tuple(runs[begin:end]) for begin, end in pairwise(ends)]
 
 
-def _kinds(study: Study, runs: Sequence[int], precision: str) -> list[tuple[Variant, int]]:
-    """Variant and elements of a row, rounded up, of each run."""
-    keys = [key for key in (*KEYS, "grid.cells") if key in study.keys]
+def _kinds(study: Study, runs: Sequence[int], precision: str) -> list[tuple[Variant, int, int]]:
+    """Variant, elements of a row, rounded up, and levels of the start of each run."""
+    keys = [key for key in (*KEYS, "grid.cells", "scheme.start") if key in study.keys]
     columns = [study.values(key) for key in keys]
-    known: dict[tuple[object, ...], tuple[Variant, int]] = {}
+    known: dict[tuple[object, ...], tuple[Variant, int, int]] = {}
     kinds = []
     for run in runs:
         values = tuple(column[run] for column in columns)
         if values not in known:
             case = study[run]
-            known[values] = variant_of(case, precision), _rounded(padded_cells(case.grid.cells))
+            padded = _rounded(padded_cells(case.grid.cells))
+            known[values] = variant_of(case, precision), padded, case.scheme.start_levels
         kinds.append(known[values])
     return kinds
 

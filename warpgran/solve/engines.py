@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import closing
+from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,18 +26,22 @@ GoOn = Callable[[float], bool]
 
 
 def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
-    """Compute cases in a solver of their variant and of sufficient capacity.
+    """Compute cases, with their start on finer cells, in a solver of their variant and of sufficient capacity.
 
     Whether a run has diverged is judged at output times alone, so that it does not depend on how the steps between
     are grouped; the step where it happened is then searched for.
     """
-    solver.load(cases)
-    n, state = len(cases), solver.state
-    began = time.perf_counter()
-    while not solver.replay():
-        if not go_on(float(state.t.numpy()[:n].mean())):
-            break
-    seconds = time.perf_counter() - began
+    from warpgran.solve.start import solvers
+
+    n, state, seconds, interrupted = len(cases), solver.state, 0.0, False
+    with closing(solvers(solver, cases)) as each:
+        for running in each:
+            began = time.perf_counter()
+            while not interrupted and not running.replay():
+                interrupted = not go_on(float(state.t.numpy()[:n].mean()))
+            seconds += time.perf_counter() - began
+            if interrupted:
+                break
     status = state.status.numpy()[:n].astype(np.int8)
     status[state.active.numpy()[:n] != 0] = Status.INTERRUPTED
     diverged = np.flatnonzero(status == Status.DIVERGED).tolist()
@@ -45,8 +51,9 @@ def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
     steps, end_time = state.steps.numpy()[:n].copy(), state.t.numpy()[:n].copy()
     for r, failure in failures.items():
         steps[r], end_time[r] = failure.step - 1, failure.time
+    cell_steps = steps * np.array(state.cells[:n]) + state.start_surplus[:n]
     profiles = tuple(field[:n] for field in state.recorded_profiles())
-    return Finished(state.recorded_scalars()[:n], profiles, status, steps, end_time, failures, seconds)
+    return Finished(state.recorded_scalars()[:n], profiles, status, steps, end_time, cell_steps, failures, seconds)
 
 
 def _find_failure(case: Case, output: int, precision: str, device: str) -> Failure:
@@ -59,20 +66,25 @@ def _find_failure(case: Case, output: int, precision: str, device: str) -> Failu
         device: A Warp device.
     """
     from warpgran.solve.solver import Solver
+    from warpgran.solve.start import solvers
 
     alone = Solver.holding([case], precision_name=precision, device=device)
-    state = alone.state
-    t, found = 0.0, None
-    while not found:
-        t = float(state.t.numpy()[0])
-        ended = alone.replay(budget=1)
-        if int(state.output.numpy()[0]) >= output:
-            found = fault(np.stack([state.of_run(u, 0) for u in state.U]).astype(float))
-        if ended and not found:
-            found = -1, f"dt = {state.dt_exact.numpy()[0]:g} s"
-    cell, what = found
-    x = float(case.x[cell]) if cell >= 0 else float("nan")
-    return Failure(t, int(state.steps.numpy()[0]), cell, x, what)
+    for running in solvers(alone, [case]):
+        state, ended = running.state, False
+        while not ended:
+            t = float(state.t.numpy()[0])
+            ended = running.replay(budget=1)
+            found = None
+            if int(alone.state.output.numpy()[0]) >= output:
+                found = fault(np.stack([state.of_run(u, 0) for u in state.U]).astype(float))
+            if ended and not found and state.status.numpy()[0] == Status.DIVERGED:
+                found = -1, f"dt = {state.dt_exact.numpy()[0]:g} s"
+            if found:
+                cell, what = found
+                grid = case.grid
+                x = grid.left + (cell + 0.5) * (grid.right - grid.left) / state.cells[0] if cell >= 0 else float("nan")
+                return Failure(t, int(state.steps.numpy()[0]), cell, x, what)
+    raise AssertionError("a run that has diverged does so again")
 
 
 def run_reference(cases: Sequence[Case], go_on: GoOn) -> Finished:
@@ -91,11 +103,10 @@ def _run_one(case: Case, go_on: GoOn) -> Finished:
     status, failure, speed = Status.OK, None, 0.0
     began = time.perf_counter()
     for k, (t, snapshot, sample) in enumerate(zip(outputs.times, outputs.snapshot_at, outputs.sample_at, strict=True)):
-        before = run.U, run.t, run.steps
+        before = copy(run)
         status = _advance(run, float(t), go_on)
         if status == Status.DIVERGED or (status == Status.OK and fault(run.U)):
-            run.U, run.t, run.steps = before
-            status, failure = Status.DIVERGED, _find_fault(run, float(t))
+            status, (failure, run) = Status.DIVERGED, _find_fault(before, float(t))
         if status != Status.OK:
             break
         values = run.scalars()
@@ -112,7 +123,7 @@ def _run_one(case: Case, go_on: GoOn) -> Finished:
             status = Status.AT_REST
             break
     seconds = time.perf_counter() - began
-    each = np.array([status], dtype=np.int8), np.array([run.steps]), np.array([run.t])
+    each = np.array([status], dtype=np.int8), np.array([run.steps]), np.array([run.t]), np.array([run.cell_steps])
     return Finished(scalars, profiles, *each, {0: failure} if failure else {}, seconds)
 
 
@@ -130,19 +141,18 @@ def _advance(run: Run, t_out: float, go_on: GoOn) -> Status:
     return Status.OK
 
 
-def _find_fault(run: Run, t_out: float) -> Failure:
-    """Repeat the steps of a run that has diverged, up to the last sound one."""
+def _find_fault(run: Run, t_out: float) -> tuple[Failure, Run]:
+    """Repeat the steps of a run that has diverged; where it does, and the run after the last sound one."""
     found = None
-    before = run.U, run.t, run.steps
+    before = run
     while not found:
-        before = run.U, run.t, run.steps
+        before = copy(run)
         with np.errstate(all="ignore"):
             dt = run.step(t_out)
         found = fault(run.U) if dt > 0.0 else (-1, f"dt = {dt:g} s")
     cell, what = found
-    failure = Failure(before[1], run.steps, cell, float(run.case.x[cell]) if cell >= 0 else float("nan"), what)
-    run.U, run.t, run.steps = before
-    return failure
+    x = float(run.case.x[cell]) if cell >= 0 else float("nan")
+    return Failure(before.t, run.steps, cell, x, what), before
 
 
 def _joined(parts: Sequence[Finished]) -> Finished:
@@ -157,6 +167,7 @@ def _joined(parts: Sequence[Finished]) -> Finished:
         np.concatenate([part.status for part in parts]),
         np.concatenate([part.steps for part in parts]),
         np.concatenate([part.end_time for part in parts]),
+        np.concatenate([part.cell_steps for part in parts]),
         {r: part.failures[0] for r, part in enumerate(parts) if part.failures},
         sum(part.seconds for part in parts),
     )

@@ -42,6 +42,7 @@ class Finished:
         scalars: Those of physics.state.SCALARS, shape (runs, samples, scalars).
         profiles: h [m], v [m/s], phi of the snapshots, each (runs, snapshots, cells or more).
         status, steps, end_time: Per run; codes of schema.Status, -, s.
+        cell_steps: Per run, sum over its steps of the cells that each was taken on.
         failures: By run, those that have diverged.
         seconds: Wall time of the time loop alone.
     """
@@ -51,6 +52,7 @@ class Finished:
     status: Array
     steps: Array
     end_time: Array
+    cell_steps: Array
     failures: dict[int, Failure]
     seconds: float
 

@@ -36,6 +36,12 @@ class Outputs:
         nothing = np.zeros(0, dtype=np.int32)
         return Outputs(np.zeros(0), nothing, nothing)
 
+    @staticmethod
+    def never() -> Outputs:
+        """An output that is never reached, for runs that pause where they are to stop."""
+        none = np.full(1, -1, dtype=np.int32)
+        return Outputs(np.full(1, np.inf), none, none)
+
     @property
     def snapshots(self) -> int:
         """Number of snapshots."""

@@ -28,7 +28,7 @@ MOST_STEPS = 20_000
 """Steps between two returns, since the steps of a few small runs take some 20 microseconds at least on a GPU."""
 
 
-_calls = threading.RLock()
+calls = threading.RLock()
 """Held while Warp is called. While one thread records a graph, calls of all others would be recorded in it too; replays
 alone run side by side."""
 
@@ -71,10 +71,12 @@ class Solver:
         self.lanes = lanes or (1 if self.device.is_cpu else LANES)
         if self.device.is_cpu and self.lanes > 1 and not wp.config.enable_cpu_blocks:
             raise ValueError(f"lanes: {self.lanes} on the cpu; allowed: 1, unless wp.config.enable_cpu_blocks is set")
+        self._chunk = chunk
+        self._finer: dict[tuple[int, int], Solver] = {}
         self.chunks = 1 if self.lanes == 1 else -(-padded // chunk)
         many = REPLAY if self.device.is_cpu else 100 * REPLAY
         self.steps_per_replay = min(max(100, many // (runs * padded)), MOST_STEPS)
-        with _calls:
+        with calls:
             self.stages = build(variant, many_lanes=self.lanes > 1)
             free = free_memory_of(str(self.device))
             try:
@@ -100,8 +102,25 @@ class Solver:
 
     def load(self, cases: Sequence[Case]) -> None:
         """Replace the runs by others of the same variant, no more than the capacity."""
-        with _calls:
+        with calls:
             self.state.load(cases)
+            self.launch(self.stages.load)
+
+    def finer(self, level: int, runs: int) -> Solver:
+        """The solver, kept for the next time, of some runs at a time on 2^level times the cells, see solve/start.py."""
+        key = level, runs
+        if key not in self._finer:
+            padded = padded_cells((self.state.padded - 1) << level)
+            variant, device = self.state.variant, str(self.device)
+            self._finer[key] = Solver(
+                runs, padded, variant, Outputs.never(), device, lanes=self.lanes, chunk=self._chunk
+            )
+        return self._finer[key]
+
+    def find_fastest(self) -> None:
+        """Do what a first step needs, for states that were changed after they were loaded."""
+        with calls:
+            self.state.max_speed.zero_()
             self.launch(self.stages.load)
 
     def step(self) -> None:
@@ -114,13 +133,13 @@ class Solver:
         False if runs are left after `budget` steps, so that Python can look at the clock: call again.
         """
         s = self.state
-        with _calls:
+        with calls:
             s.budget.fill_(self.steps_per_replay if budget is None else budget)
             s.running.zero_()
             self.launch(self.stages.start)
         wp.capture_launch(self._graph)
         wp.synchronize_device(self.device)  # a GPU is waited for here, so that others may call Warp meanwhile
-        with _calls:
+        with calls:
             return not s.active.numpy().any()
 
     def launch(self, stages: Sequence[Stage]) -> None:

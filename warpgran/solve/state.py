@@ -35,8 +35,10 @@ class State:
     Attributes:
         arrays: The flat arrays of cells and interfaces of the scheme, by name; the pages of kernels/first and
             kernels/second say what they hold.
+        cells: of each run; start_surplus: cell-steps of its start beyond as many steps on these cells.
         params: Parameters, per run.
         lo, hi: window of cells visited, per run; active: whether a run advances; due: whether it is to be recorded.
+        t_stop: when a run pauses, inactive until it is made active again [s]; infinite in the run proper.
         t, dt_exact, dt, steps: time and time step [s], in float64 and in the precision of the kernels, and steps taken,
             per run.
         output, status, bad_cell: index of the next output, status code and first unsound cell (-1: none), per run.
@@ -52,6 +54,7 @@ class State:
         self.pitch = padded + MARGIN
         self.size = runs * self.pitch + MARGIN
         self.cells = [0] * runs
+        self.start_surplus = np.zeros(runs, dtype=np.int64)
         self.scheme = SCHEMES[variant.order]
         kinds = precision(variant.precision)
         Real = kinds.Real
@@ -70,7 +73,7 @@ class State:
         self.params = per_run(kinds.RunParams)
         self.lo, self.hi, self.active, self.due = (per_run(wp.int32) for _ in range(4))
         self.status, self.bad_cell, self.steps, self.output = (per_run(wp.int32) for _ in range(4))
-        self.t, self.x_left, self.v_flow, self.dt_exact = (per_run(wp.float64) for _ in range(4))
+        self.t, self.t_stop, self.x_left, self.v_flow, self.dt_exact = (per_run(wp.float64) for _ in range(5))
         self.dt, self.max_speed, self.max_viscosity = (per_run(Real) for _ in range(3))
         self.budget, self.running = (wp.zeros(1, dtype=wp.int32, device=device) for _ in range(2))
         self.times = wp.array(outputs.times, dtype=wp.float64, device=device)
@@ -99,6 +102,7 @@ class State:
         """Put runs at their initial state, no more than the capacity; the rest of it is idle."""
         idle = self.runs - len(cases)
         self.cells = [case.grid.cells for case in cases] + [0] * idle
+        self.start_surplus[:] = 0
         values: dict[str, Array] = {}
         lo, hi = np.zeros(self.runs, dtype=np.int32), np.zeros(self.runs, dtype=np.int32)
         params = np.zeros(self.runs, dtype=self.params.dtype.numpy_dtype())
@@ -128,6 +132,7 @@ class State:
         self.x_left.assign(np.array([case.grid.left for case in cases] + [0.0] * idle))
         for array in (self.t, self.steps, self.output, self.max_speed, self.max_viscosity, self.dt_exact):
             array.zero_()
+        self.t_stop.fill_(np.inf)
         self.status.fill_(OK)
         self.bad_cell.fill_(-1)
         self.v_flow.fill_(0.0)
@@ -189,6 +194,12 @@ def bytes_of_run(cells: int, outputs: Outputs, variant: Variant) -> int:
     row = padded_cells(cells)
     flat = (row + MARGIN) * len(SCHEMES[variant.order].arrays) + 3 * outputs.snapshots * row
     return real * flat + 8 * outputs.samples * len(SCALARS)
+
+
+def bytes_of_start(cells: int, levels: int, variant: Variant) -> int:
+    """Device memory of the start of one run on that many levels of finer cells [bytes], beside `bytes_of_run`."""
+    finer = range(1, levels + 1)
+    return sum(bytes_of_run(cells * 2**level, Outputs.none(), variant) for level in finer)
 
 
 def most_runs(padded: int, outputs: Outputs, variant: Variant) -> int:
