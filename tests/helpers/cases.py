@@ -114,8 +114,10 @@ def drawn(seed: int, order: int = 1) -> Case:
         steepest = 2.5 * changes["scheme.cfl"] * changes["rheology.K"] * length / changes["grid.cells"] / 9.0
         changes["scheme.h_min"] = max(changes["scheme.h_min"] or changes["rheology.grain_diameter"], steepest)
     changes["scheme.order"] = order
-    for key in FIRST_ALONE if order == 2 else ():
-        del changes[key]
+    if order == 2:
+        changes["scheme.start"] = 0
+        for key in FIRST_ALONE:
+            del changes[key]
     return Case().with_(**changes)
 
 

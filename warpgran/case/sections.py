@@ -200,7 +200,7 @@ class Scheme(Model):
 
     order: StrictInt = declare(2, "order", allowed="1 or 2", ge=1, le=2)
     """Order of accuracy: 2, or 1 for the scheme of the paper."""
-    start: StrictInt = declare(0, "start levels", order=2, ge=0, le=10)
+    start: StrictInt = declare(2, "start levels", order=2, ge=0, le=10)
     """The first moments of a run are computed on cells 2^start times smaller; 0 for none."""
     alpha: StrictFloat = declare(2.0, "exponent", r"\alpha", gt=1, le=10)
     """Exponent of the third conserved quantity, phi^alpha h."""
