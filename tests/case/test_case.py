@@ -66,6 +66,7 @@ def test_defaults_are_the_papers_table_1_and_the_schemes() -> None:
 def test_the_defaults_of_order_1_are_the_papers() -> None:
     first, second = Case().with_(**{"scheme.order": 1}).flat(), Case().flat()
     assert {key: value for key, value in first.items() if value != second[key]} == {
+        "scheme.order": 1,
         "scheme.start": None,
         "scheme.lambda": 0.0,
         "scheme.relaxation": "rational",
@@ -94,6 +95,7 @@ def test_numpy_numbers_are_numbers() -> None:
         **{
             "slope.angle": np.int64(16),
             "column.phi": np.float32(0.5),
+            "scheme.order": np.int32(1),
             "scheme.xi": np.ones(3),
             "grid.cells": np.int32(9),
         }

@@ -18,14 +18,14 @@ OTHER = {
     "alpha_two": False, "lambda_zero": False, "phi_eq": "f0", "relaxation": "exponential", "viscosity": "paper",
     "periodic": True,
 }  # fmt: skip
-SECOND = {"order": 2}
+FIRST, SECOND = {"order": 1}, {"order": 2}
 VARIANTS: list[dict[str, Any]] = [
-    {},
-    OTHER,
+    FIRST,
+    {**FIRST, **OTHER},
     SECOND,
     {**SECOND, "alpha_two": False, "phi_eq": "f0", "periodic": True},
-    {"phi_eq": "f1"},
-    {"alpha_two": False, "phi_eq": "f2"},
+    {**FIRST, "phi_eq": "f1"},
+    {**FIRST, "alpha_two": False, "phi_eq": "f2"},
     {**SECOND, "phi_eq": "f1"},
     {**SECOND, "phi_eq": "f2"},
 ]
