@@ -10,8 +10,10 @@ from warpgran.case.sections import KEYS
 from warpgran.errors import OptionError
 
 PRECURSOR = 1e-5  # m, of the layer that the paper's viscosity needs
-AS_GIVEN: dict[str, Any] = {"scheme.order": 2} | {key: None for key, known in KEYS.items() if known.order == 1}
-"""Order 2, without the keys that order 1 alone has."""
+AS_GIVEN: dict[str, Any] = {"scheme.order": 2, "scheme.start": 0} | {
+    key: None for key, known in KEYS.items() if known.order == 1
+}
+"""Order 2 on the cells of the run file from the first moment, without the keys that order 1 alone has."""
 ORDER_2 = AS_GIVEN | {"scheme.h_min": None}
 """The same with its own least thickness, whatever a run file of order 1 sets."""
 
