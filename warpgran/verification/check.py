@@ -31,6 +31,11 @@ class CheckOptions:
         return tuple(coarsest * 2**k for k in range(self.grids))
 
 
+def scheme(order: int) -> dict[str, int]:
+    """The keys of a scheme: without the start on finer cells, whose error is not of the order that is measured."""
+    return {"scheme.order": order} | ({"scheme.start": 0} if order == 2 else {})
+
+
 @dataclass(frozen=True)
 class Row:
     """One thing compared.

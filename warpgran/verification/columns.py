@@ -18,7 +18,7 @@ from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
 from warpgran.schema import Status
-from warpgran.verification.check import CheckOptions, CheckResult, Row
+from warpgran.verification.check import CheckOptions, CheckResult, Row, scheme
 
 LENGTH = 0.2
 """Length l_0 of the columns, m."""
@@ -77,7 +77,7 @@ def column(order: int, cells_per_length: int, **changes: Any) -> Case:
             "time.series": {"every": 0.02},
             "time.rest_speed": 1e-3,
             "time.stop_at_rest": True,
-            "scheme.order": order,
+            **scheme(order),
             "scheme.h_front": 5e-3,
             **changes,
         }

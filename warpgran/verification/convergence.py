@@ -17,7 +17,7 @@ from warpgran.analysis.refinement import Refined
 from warpgran.case.case import Case
 from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.run.simulate import simulate
-from warpgran.verification.check import CheckOptions, CheckResult, Row
+from warpgran.verification.check import CheckOptions, CheckResult, Row, scheme
 
 CELLS = (250, 500, 1000, 2000, 4000, 8000)
 WANTED = 0.01
@@ -41,9 +41,9 @@ class Collapse:
         """The case on a grid of so many cells."""
         times = list(self.times)
         output = {"time.end": times[-1], "time.snapshots": times, "time.series": times}
-        scheme = {"scheme.order": order, "scheme.h_front": FRONTS[0]}
+        keys = {**scheme(order), "scheme.h_front": FRONTS[0]}
         return Case().with_(
-            **{"slope.angle": self.angle, "grid.right": self.right, "grid.cells": cells, **output, **scheme},
+            **{"slope.angle": self.angle, "grid.right": self.right, "grid.cells": cells, **output, **keys},
         )
 
 

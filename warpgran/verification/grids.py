@@ -12,7 +12,7 @@ from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.case.sections import Grid
 from warpgran.run.simulate import simulate
-from warpgran.verification.check import CheckOptions, Row
+from warpgran.verification.check import CheckOptions, Row, scheme
 from warpgran.verification.exact import Flow
 
 Fields = tuple[Array, Array, Array]
@@ -74,7 +74,7 @@ def starting_from(
             "grid.right": right,
             "grid.cells": h.size,
             "time.series": [],
-            "scheme.order": order,
+            **scheme(order),
             "scheme.h_front": 1e-3,
             "scheme.left": "open",
             "scheme.right": "open",

@@ -16,6 +16,7 @@ import numpy as np
 from warpgran.case.between_keys import MOST_RELAXATION
 from warpgran.case.case import Case
 from warpgran.solve.variant import SINGLE_ALPHA
+from warpgran.verification.check import scheme
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ def case_at(point: Sequence[float] | np.ndarray, scale: float, order: int, preci
         "grid.left": 0.0,
         "grid.right": right,
         "grid.cells": cells,
-        "scheme.order": order,
+        **scheme(order),
         "scheme.xi": [v["xi1"], v["xi1"] * v["xi2/xi1"], v["xi3"]],
         "scheme.h_min": h_min,
         "scheme.h_bed": v["h_bed/height"] * height,
