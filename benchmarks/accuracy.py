@@ -24,6 +24,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 import warpgran as wg
+from warpgran.analysis.front import compacted, front
 from warpgran.analysis.refinement import Refined
 from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.solve.device import start_quietly
@@ -94,12 +95,8 @@ QUICK_MM = (8.0, 4.0)
 def measures(case: wg.Case, data: Any) -> list[float]:
     """Ways of the two fronts from the foot of the column and greatest thickness [m], at each snapshot."""
     found = []
-    h_c = (data["phi"] * data["h"]).values[0] / case.rheology.phi_stat
-    for thickness, compacted in zip(data["h"].values[0], h_c, strict=True):
-        for level in LEVELS:
-            i = int(np.flatnonzero(compacted > level)[-1])
-            found.append(case.x[i] + (compacted[i] - level) / (compacted[i] - compacted[i + 1]) * case.dx)
-        found.append(float(thickness.max()))
+    for h, h_c in zip(data["h"].values[0], compacted(data).values[0], strict=True):
+        found += [*(front(case.x, h_c, level) for level in LEVELS), float(h.max())]
     return found
 
 
