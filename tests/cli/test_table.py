@@ -61,3 +61,12 @@ def test_table_fits_and_names_what_it_leaves_out(width: int) -> None:
     assert note.endswith(", for want of room")
     shown = lines[0].split().count("rheology.")
     assert 0 < shown == 8 - note.count("rheology.")
+
+
+def test_keys_that_follow_others_make_room_first() -> None:
+    keys: dict[str, Any] = {"slope__angle": [0.0, 10.0], "rheology__K": [0.0, 4.09], "column__phi": [0.55, 0.62]}
+    frame = summary(batch(**keys, time__rest_speed=[1.17e-3, 1.16e-3]))
+    wide, narrow = printed(frame, width=200), printed(frame, width=100)
+    assert "rest_speed" in " ".join(wide)
+    assert narrow[-1].startswith("without time.rest_speed")
+    assert "run-out" in " ".join(narrow)

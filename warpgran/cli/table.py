@@ -11,6 +11,7 @@ from rich.cells import cell_len
 from rich.table import Table
 
 from warpgran.arrays import Array
+from warpgran.case.defaults import FOLLOWS
 
 GAP = 2  # between columns, characters
 PRINTED = {  # columns with a unit: heading, SI unit; fractions are printed in %
@@ -84,9 +85,14 @@ def _cell(value: Any, factor: float, form: str) -> str:
 
 
 def _too_wide(columns: dict[str, tuple[str, list[str]]], room: int) -> list[str]:
-    """Columns to leave out for the rest to fit, in characters: first what says least, then the last swept keys."""
+    """Columns to leave out for the rest to fit, in characters.
+
+    First the keys whose values follow others by default, then what says least, then the last of the swept keys.
+    """
     widths = {name: GAP + max(map(cell_len, [*head.split("\n"), *cells])) for name, (head, cells) in columns.items()}
-    spare = ["end_time", "steps", "run_out", *reversed([name for name in columns if "." in name])]
+    keys = [name for name in columns if "." in name]
+    follow = [name for name in keys if name in FOLLOWS and len(keys) > 1]
+    spare = [*follow, "end_time", "steps", "run_out", *reversed([name for name in keys if name not in follow])]
     left_out: list[str] = []
     while spare and sum(widths.values()) - GAP > room:
         left_out.append(spare.pop(0))
