@@ -18,6 +18,7 @@ def solid(run: SecondOrder) -> float:
     return float(run.U[0].sum() * run.case.dx)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100))
 def test_what_friction_holds_stays_to_the_bit(seed: int) -> None:
     case = held_heap(seed)
@@ -51,6 +52,7 @@ def assert_bounds(run: SecondOrder, highest: float, lowest: float = 1e-4) -> Non
     assert phi.max() <= highest * (1.0 + 5e-14) and phi.min() >= lowest * (1.0 - 5e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("K", [0.0, 4.09, 50.0])
 @pytest.mark.parametrize("ends", [WALLS, OPEN, PERIODIC], ids=["walls", "open", "periodic"])
 @pytest.mark.parametrize("seed", range(4))
@@ -114,6 +116,7 @@ def hill(shift: int = 0, /, **changes: Any) -> Case:
     return at_centres(*(np.roll(a, shift) for a in (h, phi, bed)), **{"slope.angle": 25.0, **PERIODIC, **changes})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.0, 25.0, -35.0])
 @pytest.mark.parametrize("shift", [37, -60])
 def test_a_moved_state_gives_the_moved_result_to_the_bit(shift: int, angle: float) -> None:

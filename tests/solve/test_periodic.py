@@ -40,6 +40,7 @@ def test_kernels_agree_with_numpy_over_100_steps_of_any_option(seed: int) -> Non
     assert reference.U[0, -1] > case.scheme.h_bed  # it came through the ends
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("angle", "bed"), [(0.0, False), (25.0, False), (0.0, True)])
 @pytest.mark.parametrize("shift", [37, -60])

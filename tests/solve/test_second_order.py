@@ -29,6 +29,7 @@ def assert_row(found: Sequence[float], expected: str, precision: str) -> None:
         np.testing.assert_allclose(found, [float(word) for word in expected.split()], rtol=4e-5, atol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize(("changes", "rows"), TABLE)
 def test_kernels_give_the_numbers_of_the_table(
@@ -41,6 +42,7 @@ def test_kernels_give_the_numbers_of_the_table(
         assert steps is None or abs(done.steps - steps) <= (0 if precision == "float64" else 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("changes", "rows"), [row for row in TABLE if row.id in QUICK])
 def test_the_reference_gives_the_numbers_of_the_table(
     changes: dict[str, Any], rows: list[tuple[float, int | None, str]]
@@ -60,6 +62,7 @@ def difference(case: Case, U: np.ndarray, V: np.ndarray) -> float:
     return max(float(np.abs(a - b).max() / scale) for a, b, scale in pairs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_kernels_agree_with_the_reference_over_100_steps_of_any_option(seed: int, device: str) -> None:
     case = drawn(seed, order=2)
@@ -75,6 +78,7 @@ def test_kernels_agree_with_the_reference_over_100_steps_of_any_option(seed: int
     assert np.abs(decode(plain.U, case).v).max() > 1e-6  # something moved
 
 
+@pytest.mark.slow
 def test_whole_collapse_agrees_with_the_reference(device: str) -> None:
     case = small(**{**SECOND, "grid.cells": 800})
     kernels, plain = (ran(engine, case, [0.1, 0.3]) for engine in (device, "numpy"))
@@ -166,6 +170,7 @@ def test_a_uniform_periodic_layer_stays_uniform_to_the_bit(angle: float, device:
         assert np.unique(field).size == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("precision", PRECISIONS)
 def test_no_mass_is_lost_and_phi_keeps_its_bounds(precision: str, device: str) -> None:
     """Random states that no grains would be found in, of all ends: mass is never negative, phi in bounds."""

@@ -43,6 +43,7 @@ def started(**changes: Any) -> Case:
     return small(**{**SECOND, "grid.cells": 200, "scheme.start": 2, **changes})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", CASES)
 def test_kernels_agree_with_the_reference_at_all_times(changes: dict[str, Any], device: str) -> None:
     case = started(**changes)
