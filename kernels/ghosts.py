@@ -11,7 +11,7 @@ from typing import Any
 
 import warp as wp
 
-from warpgran.kernels.precision import Precision
+from warpgran.kernels.precision import Ints, Precision
 
 
 @functools.cache
@@ -39,3 +39,23 @@ def make_wrap(kinds: Precision) -> Any:
         a[p.row + p.cells] = a[p.row]
 
     return wrap
+
+
+def make_after_decode(kinds: Precision, module: Any) -> Any:
+    """The kernel that sets the ghost cells of what dry cells are filled from, for periodic ends."""
+    A, Params = kinds.Array, kinds.Params
+    wrap = make_wrap(kinds)
+
+    @wp.kernel(module=module)
+    def after_decode(
+        # per run
+        params: Params, active: Ints,
+        # outputs
+        phi_wet: A,
+    ):  # fmt: skip
+        """Ghost cells of what dry cells are filled from."""
+        run = wp.tid()
+        if active[run] != 0:
+            wrap(phi_wet, params[run])
+
+    return after_decode

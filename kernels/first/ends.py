@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import warp as wp
 
-from warpgran.kernels.ghosts import make_beyond, make_wrap
+from warpgran.kernels.ghosts import make_after_decode, make_beyond, make_wrap
 from warpgran.kernels.precision import Ints, Variant, precision
 
 
@@ -73,18 +73,6 @@ def _periodic(variant: Variant, module: Any) -> FirstEnds:
     wrap = make_wrap(kinds)
 
     @wp.kernel(module=module)
-    def after_decode(
-        # per run
-        params: Params, active: Ints,
-        # outputs
-        phi_wet: A,
-    ):  # fmt: skip
-        """Ghost cells of what dry cells are filled from."""
-        run = wp.tid()
-        if active[run] != 0:
-            wrap(phi_wet, params[run])
-
-    @wp.kernel(module=module)
     def after_fill(
         # per run
         params: Params, active: Ints,
@@ -123,4 +111,4 @@ def _periodic(variant: Variant, module: Any) -> FirstEnds:
             wrap(W2, p)
             wrap(c, p)
 
-    return FirstEnds(after_decode, after_fill, after_relax)
+    return FirstEnds(make_after_decode(kinds, module), after_fill, after_relax)

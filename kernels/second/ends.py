@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import warp as wp
 
-from warpgran.kernels.ghosts import make_beyond, make_wrap
+from warpgran.kernels.ghosts import make_after_decode, make_beyond, make_wrap
 from warpgran.kernels.precision import Ints, Variant, precision
 
 
@@ -107,18 +107,6 @@ def _periodic(variant: Variant, module: Any) -> SecondEnds:
     wrap = make_wrap(kinds)
 
     @wp.kernel(module=module)
-    def after_decode(
-        # per run
-        params: Params, active: Ints,
-        # outputs
-        phi_wet: A,
-    ):  # fmt: skip
-        """Ghost cells of what the dry cells are filled from."""
-        run = wp.tid()
-        if active[run] != 0:
-            wrap(phi_wet, params[run])
-
-    @wp.kernel(module=module)
     def after_cells(
         # per run
         params: Params, active: Ints,
@@ -157,4 +145,4 @@ def _periodic(variant: Variant, module: Any) -> SecondEnds:
             wrap(c_L, p)
             wrap(c_R, p)
 
-    return SecondEnds(after_decode, after_cells, None, after_faces)
+    return SecondEnds(make_after_decode(kinds, module), after_cells, None, after_faces)
