@@ -9,7 +9,19 @@ from difflib import get_close_matches
 from matplotlib.figure import Figure
 
 from warpgran.errors import OptionError
-from warpgran.verification import cap, columns, convergence, dams, jumps, manufactured, properties, rest, uniform, waves
+from warpgran.verification import (
+    cap,
+    columns,
+    convergence,
+    dams,
+    energy,
+    jumps,
+    manufactured,
+    properties,
+    rest,
+    uniform,
+    waves,
+)
 from warpgran.verification.check import Check, CheckOptions, CheckResult, Row
 from warpgran.verification.plots import style
 
@@ -25,6 +37,7 @@ CASES: dict[str, Check] = {
     "manufactured": manufactured.manufactured,
     "waves": waves.waves,
     "riemann": jumps.riemann,
+    "energy": energy.energy,
     "convergence": convergence.convergence,
     "columns": columns.columns,
 }
