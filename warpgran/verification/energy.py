@@ -82,7 +82,7 @@ def energy(options: CheckOptions) -> CheckResult:
         breaks between walls, {DEPTHS[0]:g} m over 0, 2 and 5 cm, on the flat and on 22 degrees, with and without a
         jump of phi and friction, are sampled at every step. The paper proves the inequality for order 1 in continuous
         time (Theorem B.1, v): without friction no step gains. With friction, which is implicit in time, a step may
-        gain some hundred-millionths, where a layer comes to rest. Order 2 has no such proof: without friction its first steps,
-        at the jump, may add some millionths each. None may end above its start.
+        gain some hundred-millionths, where a layer comes to rest. Order 2 has no such proof: without friction its
+        first steps, at the jump, may add some millionths each. None may end above its start.
         """)
     return CheckResult("Energy of dam breaks", text, tuple(rows), {"energy": figure})
