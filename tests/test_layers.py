@@ -27,6 +27,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "figures": {"case", "analysis", "schema", "files", "errors", "arrays"},
     "run": {"case", "solve", "results", "schema", "files", "errors", "arrays"},
     "studies": {"run", "figures", "analysis", "results", "case", *LEAVES},
+    "calibration": {"run", "figures", "analysis", "results", "case", *LEAVES},
     "verification": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},
     "paper": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},
 }

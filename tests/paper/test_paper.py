@@ -286,7 +286,7 @@ def test_laboratory_data_lie_over_the_panels(tmp_path: Path) -> None:
         (
             "front.csv",
             "angle,t,y\n0,0,0\n",
-            r'front\.csv:1: the columns are "angle,t,y"; allowed: angle,t,x, in any order',
+            r'front\.csv:1: the columns are "angle,t,y"; allowed: angle,t,x and optionally sigma, in',
         ),
         (
             "front.csv",
@@ -295,6 +295,8 @@ def test_laboratory_data_lie_over_the_panels(tmp_path: Path) -> None:
         ),
         ("profiles.csv", "angle,t,x,h\n0,0,0,-1\n", r"profiles\.csv:2: h = -1\.0 is out of range; allowed: >= 0"),
         ("volume.csv", "angle,t,change\n0,0,nan\n", r"volume\.csv:2: change = nan is not a finite number"),
+        ("front.csv", "angle,t,x,sigma\n0,1,1,0\n", r"front\.csv:2: sigma = 0\.0 is out of range; allowed: > 0"),
+        ("front.csv", "angle,t,x\n0,inf,1\n", r"front\.csv:2: t = inf is not a finite number"),
         ("volume.csv", "angle,t,change\n95,0,0\n", r"angle = 95\.0 is out of range; allowed: >= -80 and <= 80"),
         ("notes.txt", "", r"holds no measurements; allowed: profiles\.csv, front\.csv, volume\.csv"),
     ],

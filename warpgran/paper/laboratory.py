@@ -1,12 +1,6 @@
 """What was measured in the laboratory, to lay over the figures. None of it ships: the measurements are not public.
 
-A folder with any of three CSV files:
-
-profiles.csv  angle [degrees], t [s], x [m], h [m]    thickness profiles
-front.csv     angle [degrees], t [s], x [m]           position of the front
-volume.csv    angle [degrees], t [s], change [-]      volume over the initial one, less 1
-
-x from the gate, downhill, as in the run files; h normal to the slope.
+The folder that is read is described in `warpgran.case.measurements`.
 """
 
 from __future__ import annotations
@@ -20,14 +14,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from warpgran.arrays import Array
-from warpgran.case.tables import TableError, read_columns
+from warpgran.case.measurements import read_measurements
 
-COLUMNS = {
-    "profiles": ("angle", "t", "x", "h"),
-    "front": ("angle", "t", "x"),
-    "volume": ("angle", "t", "change"),
-}
-RANGES = {"angle": (-80.0, 80.0), "t": (0.0, np.inf), "h": (0.0, np.inf), "change": (-1.0, np.inf)}
 SAME_TIME = 0.005  # s
 MARKS: dict[str, Any] = {
     "linestyle": "none", "marker": "o", "markersize": 2.6, "markerfacecolor": "white", "markeredgewidth": 0.7,
@@ -85,46 +73,6 @@ def read_laboratory(folder: Path) -> Laboratory:
     """Read a folder of measurements.
 
     Raises:
-        TableError: With all that is wrong: no such folder, none of the files, unknown columns, what is no number, a
-            value out of range, or times of a front that do not increase.
+        TableError: With all that is wrong, see `read_measurements`.
     """
-    if not folder.is_dir():
-        raise TableError([f"{folder}: is not a folder of measurements"])
-    found = {name: folder / f"{name}.csv" for name in COLUMNS if (folder / f"{name}.csv").exists()}
-    if not found:
-        allowed = ", ".join(f"{name}.csv" for name in COLUMNS)
-        raise TableError([f"{folder}: holds no measurements; allowed: {allowed}"])
-    tables: dict[str, Mapping[str, Array]] = {}
-    messages: list[str] = []
-    for name, path in found.items():
-        try:
-            columns, places = read_columns(path, COLUMNS[name])
-        except TableError as error:
-            messages += error.messages
-            continue
-        messages += _faults(name, columns, places)
-        tables[name] = columns
-    if messages:
-        raise TableError(messages)
-    return Laboratory(tables)
-
-
-def _faults(name: str, columns: Mapping[str, Array], places: list[str]) -> list[str]:
-    """What is wrong with the values, in the order of the rows."""
-    messages = []
-    last: dict[float, float] = {}
-    for i, place in enumerate(places):
-        row = {column: float(values[i]) for column, values in columns.items()}
-        for column, value in row.items():
-            low, high = RANGES.get(column, (-np.inf, np.inf))
-            if not np.isfinite(value):
-                messages.append(f"{place}: {column} = {value} is not a finite number")
-            elif not low <= value <= high:
-                allowed = f">= {low:g}" if high == np.inf else f">= {low:g} and <= {high:g}"
-                messages.append(f"{place}: {column} = {value} is out of range; allowed: {allowed}")
-        if name != "profiles":
-            if row["t"] <= last.get(row["angle"], -np.inf):
-                before = last[row["angle"]]
-                messages.append(f"{place}: t = {row['t']} after {before}; allowed: increasing for each angle")
-            last[row["angle"]] = row["t"]
-    return messages
+    return Laboratory({name: table.columns for name, table in read_measurements(folder).items()})

@@ -1,0 +1,1 @@
+"""Parameters fitted to measurements: screening of the prior, best fit, posterior, predictions."""
