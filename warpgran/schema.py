@@ -65,6 +65,7 @@ SERIES = {
     "volume_change": Variable(("run", "sample"), "1", "relative change of the volume that h_front marks"),
     "mass": Variable(("run", "sample"), "m2", "volume of solid per unit width"),
     "energy": Variable(("run", "sample"), "m4 s-2", "energy (2.7) per unit width and grain density"),
+    "outflow": Variable(("run", "sample"), "1", "share of the solid that has left through the ends"),
 }
 
 PER_RUN = {

@@ -69,6 +69,7 @@ def collapse(cells: int = 240, snapshots: int = 4, samples: int = 100, runs: int
         "volume_change": 0.05 * (1 - np.exp(-series_time / 0.2)),
         "mass": np.full(samples, 0.017),
         "energy": 1e-3 * np.exp(-series_time),
+        "outflow": np.zeros(samples),
     }
     variables: dict[str, Any] = {
         "x": ("cell", x),
