@@ -22,7 +22,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "case": {"files", "errors", "arrays"},
     "physics": {"arrays"},
     "solve": {"case", "physics", "kernels", "schema", "errors", "arrays"},
-    "analysis": {"physics", "schema", "files", "errors", "arrays"},
+    "analysis": {"case", "physics", "schema", "files", "errors", "arrays"},
     "results": {"case", "solve", "schema", "files", "errors", "arrays"},
     "figures": {"case", "analysis", "schema", "files", "errors", "arrays"},
     "run": {"case", "solve", "results", "schema", "files", "errors", "arrays"},

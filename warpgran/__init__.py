@@ -15,6 +15,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from warpgran.analysis.caveats import caveats as caveats
     from warpgran.analysis.fields import derive as derive
     from warpgran.analysis.forces import forces as forces
     from warpgran.analysis.summary import summary as summary
@@ -45,6 +46,7 @@ _HOME = {
     "Study": "case.study",
     "TableError": "case.tables",
     "WarpgranError": "errors",
+    "caveats": "analysis.caveats",
     "converge": "studies.converge",
     "derive": "analysis.fields",
     "forces": "analysis.forces",

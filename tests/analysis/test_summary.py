@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 from helpers.collapses import by_hand, collapse, two_runs
 
-from warpgran.analysis.summary import summary, swept, write_csv
+from warpgran.analysis.runs import swept
+from warpgran.analysis.summary import summary, write_csv
 from warpgran.files import StorageError
 
 nan = np.nan
@@ -30,6 +31,8 @@ def test_summary_has_a_row_a_run() -> None:
         "dilation_max": [0.05, 0.0, nan],
         "volume_change": [-0.01, -0.1, nan],
         "stop_time": [0.2, nan, nan],
+        "left_grid": [False, True, False],
+        "moving": [False, False, False],
     }
     frame = summary(by_hand())
     assert list(frame.columns) == list(expected)

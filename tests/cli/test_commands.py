@@ -54,7 +54,10 @@ def test_run_writes_a_file_and_a_picture_and_says_so(folder: Path) -> None:
     assert result.stdout.splitlines()[-1] == "wrote quick.h5 and quick.png"
     assert "million cell-steps" in result.stdout
     assert all(word in result.stdout for word in ("Quick", "front", "max h", "volume", "stop"))
-    assert result.stderr == ""  # no progress bar where there is no terminal
+    (told,) = result.stderr.splitlines()  # no progress bar where there is no terminal
+    assert re.fullmatch(
+        r"warpgran: run 0 had not stopped at the end \(.* m/s at t = 0.2 s\): .*run-out is not final", told
+    )
     assert names(folder) == ["quick.h5", "quick.png", "quick.toml"]
     data = wg.open_dataset("quick.h5")
     assert data.attrs["run_file"] == QUICK
@@ -118,6 +121,7 @@ def test_the_step_limit_is_told_and_kept(folder: Path) -> None:
     result = warpgran("run", "quick.toml", "--set", "time.step_limit=5")
     assert result.exit_code == 1
     assert "step_limit" in result.stdout
+    assert result.stderr.startswith("warpgran: run 0 reached its step limit, 5 steps, at t = ")
     assert int(wg.open_dataset("quick.h5")["steps"][0]) == 5
 
 

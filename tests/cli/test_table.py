@@ -27,9 +27,19 @@ def test_table_says_lengths_in_cm_and_changes_in_percent() -> None:
     assert lines[0].split() == "run slope. rheology. status end steps run-out front max h dilation volume stop".split()
     assert lines[1].split() == "angle phi_eq (s) (cm) (cm) (cm) (%) (%) (s)".split()
     assert lines[2].split() == "4 0 f0 ok 0.3 900 40.00 40.00 9.00 +5.00 -1.00 0.2".split()
-    assert lines[3].split() == "5 10 f1 diverged 0.14 70 20.00 30.00 20.00 +0.00 -10.00 -".split()
+    assert lines[3].split() == "5 10 f1 diverged 0.14 70 >20.00 >30.00 20.00 +0.00 -10.00 -".split()
     assert lines[4].split() == "6 22 f2 interrupted 0 0 - - - - - -".split()
-    assert lines[5] == "1 ok, 1 diverged, 1 interrupted"
+    assert lines[5:] == ["1 ok, 1 diverged, 1 interrupted", "> a lower bound: solid has left the grid"]
+
+
+def test_table_marks_what_holds_with_a_reserve() -> None:
+    frame = summary(batch(slope__angle=[0.0, 1.0, 2.0, 3.0]))
+    frame["left_grid"] = [False, True, False, True]
+    frame["moving"] = [False, False, True, True]
+    lines = [line.split() for line in printed(frame)]
+    assert [line[5][0] + line[6][0] for line in lines[2:6]] == ["66", ">>", "~~", ">>"]
+    assert [line[-1] for line in lines[2:6]] == ["0.6", "0.6", "moving", "moving"]
+    assert printed(frame)[6:] == ["> a lower bound: solid has left the grid", "~ not final: the flow had not stopped"]
 
 
 def test_table_says_long_lengths_in_m_and_stands_a_run_that_blew_up() -> None:

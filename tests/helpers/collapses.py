@@ -126,6 +126,7 @@ def by_hand() -> xr.Dataset:
         "front": [[0.0, 0.2, 0.5, 0.4], [0.1, 0.3, np.nan, np.nan], [np.nan] * 4],
         "h_max": [[0.14, 0.12, 0.1, 0.09], [0.14, 0.2, np.inf, np.nan], [np.nan] * 4],
         "volume_change": [[0.0, 0.05, 0.04, -0.01], [0.0, -0.1, np.inf, np.nan], [np.nan] * 4],
+        "outflow": [[0.0] * 4, [0.0, 0.2, np.inf, np.nan], [np.nan] * 4],
     }
     variables: dict[str, Any] = {name: (("run", "sample"), np.array(values)) for name, values in series.items()}
     flags = {"flag_values": np.array([0, 1, 3]), "flag_meanings": "ok diverged interrupted"}
@@ -136,4 +137,5 @@ def by_hand() -> xr.Dataset:
         "stop_time": ("run", np.array([0.2, np.nan, np.nan])),
     }
     coordinates = {"slope.angle": ("run", [0.0, 10.0, 22.0]), "rheology.phi_eq": ("run", np.array(["f0", "f1", "f2"]))}
-    return xr.Dataset(variables, {"run": [4, 5, 6], **coordinates})
+    times = "sample", [0.0, 0.1, 0.2, 0.3]
+    return xr.Dataset(variables, {"run": [4, 5, 6], "series_time": times, **coordinates})

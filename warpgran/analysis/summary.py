@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from warpgran.analysis.caveats import caveats
+from warpgran.analysis.runs import status_words, swept
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
 from warpgran.files import replacing
@@ -35,6 +36,7 @@ def summary(data: xr.Dataset) -> pd.DataFrame:
         - dilation_max: largest relative change of the volume over time, 1
         - volume_change: last relative change of the volume, 1
         - stop_time: first sample after which the mass stays at rest, s
+        - left_grid, moving: whether run_out and front are lower bounds, or not final; see `caveats`
 
     Raises:
         ResultError: a selection without the dimension `run`.
@@ -55,23 +57,9 @@ def summary(data: xr.Dataset) -> pd.DataFrame:
         "dilation_max": np.fmax.reduce(change, axis=1, initial=np.nan),
         "volume_change": _last(change),
         "stop_time": data["stop_time"].values,
+        **caveats(data),
     }
     return pd.DataFrame(columns)
-
-
-def swept(data: xr.Dataset) -> list[str]:
-    """The dotted keys in which the runs differ: coordinates of `run`."""
-    return [str(name) for name in data.coords if "." in str(name) and data[name].dims == ("run",)]
-
-
-def status_words(data: xr.Dataset) -> np.ndarray:
-    """How each run ended, as words, also where the result gives numbers and a list of meanings."""
-    status = data["status"]
-    meanings = str(status.attrs.get("flag_meanings", "")).split()
-    flags = np.atleast_1d(status.attrs.get("flag_values", []))
-    words: dict[Any, str] = dict(zip(flags.tolist(), meanings, strict=False))
-    found = [words.get(value, str(value)) for value in status.values.ravel().tolist()]
-    return np.array(found, dtype=object).reshape(status.shape)
 
 
 def write_csv(frame: pd.DataFrame, path: str | Path) -> Path:

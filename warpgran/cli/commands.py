@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from warpgran.cli.arguments import ResultFile
-from warpgran.cli.report import print_summary
+from warpgran.cli.report import print_caveats, print_summary
 
 
 def info() -> None:
@@ -42,7 +42,9 @@ def summary(
     from warpgran.analysis.summary import summary, write_csv
     from warpgran.results.reading import open_dataset
 
-    frame = summary(open_dataset(file))
+    data = open_dataset(file)
+    print_caveats(data)
+    frame = summary(data)
     if csv:
         typer.echo(f"wrote {write_csv(frame, csv)}")
     else:
@@ -55,6 +57,8 @@ def merge(
 ) -> None:
     """Merge the shards of a study into one result file."""
     from warpgran.results.merging import merge
+    from warpgran.results.reading import open_dataset
 
     runs = merge(shards, output)
+    print_caveats(open_dataset(output))
     typer.echo(f"wrote {output}, {runs} runs")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from warpgran.cli.arguments import Picture, ResultFile
+from warpgran.cli.report import print_caveats
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,7 +22,9 @@ def plot(
     from warpgran.figures.plot import plot
     from warpgran.results.reading import open_dataset
 
-    made = plot(open_dataset(file), output or file.with_suffix(".png"), run=run)
+    data = open_dataset(file)
+    made = plot(data, output or file.with_suffix(".png"), run=run)
+    print_caveats(data if run is None else data.isel(run=[run]))
     typer.echo(f"wrote {made}")
 
 

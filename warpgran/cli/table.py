@@ -23,6 +23,11 @@ PRINTED = {  # columns with a unit: heading, SI unit; fractions are printed in %
     "volume_change": ("volume", "%"),
     "stop_time": ("stop", "s"),
 }
+MARKS = {  # of run-out and front, by the caveat of the run; the first that it has
+    "left_grid": (">", "> a lower bound: solid has left the grid"),
+    "moving": ("~", "~ not final: the flow had not stopped"),
+}
+MARKED = ("run_out", "front")
 
 
 def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Table:
@@ -40,7 +45,9 @@ def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Tab
     runs = len(frame)
     head, tail = (runs, 0) if runs <= limit else (limit - limit // 2, limit // 2)
     shown = np.r_[0:head, runs - tail : runs]
-    columns = {str(name): _column(str(name), frame[name].to_numpy(), shown) for name in frame.columns}
+    printed = [str(name) for name in frame.columns if name not in MARKS]
+    columns = {name: _column(name, frame[name].to_numpy(), shown) for name in printed}
+    _mark(columns, frame.iloc[shown])
     left_out = _too_wide(columns, width)
     columns = {name: lines for name, lines in columns.items() if name not in left_out}
     table = Table(box=None, padding=(0, GAP, 0, 0), pad_edge=False, header_style="bold")
@@ -53,6 +60,7 @@ def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Tab
     counts = frame["status"].value_counts()
     notes = [f"{runs - shown.size} of {runs} runs are left out"] if shown.size < runs else []
     notes += [", ".join(f"{count} {word}" for word, count in counts.items())] if len(counts) > 1 else []
+    notes += [note for caveat, (_, note) in MARKS.items() if frame[caveat].iloc[shown].any()]
     notes += [f"without {', '.join(left_out)}, for want of room"] if left_out else []
     table.caption, table.caption_justify = "\n".join(notes) or None, "left"
     return table
@@ -67,6 +75,16 @@ def _column(name: str, values: np.ndarray, shown: np.ndarray) -> tuple[str, list
         unit, factor, form = "cm", 100.0, ".2f"
     heading = f"{section}.\n{title}" if section else f"{title}\n({unit})" if unit else f"{title}\n"
     return heading, [_cell(value, factor, form) for value in values[shown].tolist()]
+
+
+def _mark(columns: dict[str, tuple[str, list[str]]], shown: pd.DataFrame) -> None:
+    """Put a mark before what holds with a reserve, and the word where a flow had not stopped."""
+    for n, row in enumerate(shown[[*MARKS]].itertuples(index=False)):
+        marks = [mark for (mark, _), has in zip(MARKS.values(), row, strict=True) if has]
+        for name in MARKED if marks else ():
+            columns[name][1][n] = marks[0] + columns[name][1][n]
+        if row.moving:
+            columns["stop_time"][1][n] = "moving"
 
 
 def _typical(values: Array) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from warpgran.analysis.fields import parameter
-from warpgran.analysis.summary import status_words
+from warpgran.analysis.runs import status_words
 from warpgran.figures.names import named, shown
 from warpgran.schema import CLEAN
 

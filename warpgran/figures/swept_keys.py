@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 
 from warpgran.analysis.correlation import rank_correlation
 from warpgran.analysis.fields import parameter
-from warpgran.analysis.summary import swept
+from warpgran.analysis.runs import swept
 from warpgran.arrays import Array
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.figures.names import named

@@ -11,7 +11,8 @@ import pandas as pd
 import xarray as xr
 
 from warpgran.analysis.refinement import Refined
-from warpgran.analysis.summary import status_words, summary
+from warpgran.analysis.runs import status_words
+from warpgran.analysis.summary import summary
 from warpgran.case.case import Case
 from warpgran.case.problems import CaseError, Problem
 from warpgran.errors import OptionError, ResultError
