@@ -19,7 +19,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "schema": set(),
     "files": {"errors"},
     "kernels": set(),
-    "case": {"files", "errors", "arrays"},
+    "case": {"schema", "files", "errors", "arrays"},
     "physics": {"arrays"},
     "solve": {"case", "physics", "kernels", "schema", "errors", "arrays"},
     "analysis": {"case", "physics", "schema", "files", "errors", "arrays"},

@@ -18,7 +18,7 @@ from pydantic import StrictBool, StrictFloat, ValidationError
 from warpgran.arrays import Array
 from warpgran.case.model import Model, declare
 from warpgran.case.problems import CaseError, Problem, problems_of, shown
-from warpgran.case.sweep_section import KINDS, key_problem
+from warpgran.case.sweep_section import KINDS, dotted_pairs, key_problem
 
 FORMS = "{ low = , high = } or { mean = , sd = }"
 
@@ -102,7 +102,7 @@ def read_over(over: Any, where: str) -> dict[str, Distribution]:
         raise CaseError([Problem(where, f"{shown(over)} is not a table of keys")])
     found: dict[str, Distribution] = {}
     problems: list[Problem] = [] if over else [Problem(where, f"names no key; allowed: by dotted key {FORMS}")]
-    for key, value in _dotted(over):
+    for key, value in dotted_pairs(over):
         name = f"{where}.{key}"
         problem = key_problem(key)
         if key in found:
@@ -119,13 +119,6 @@ def read_over(over: Any, where: str) -> dict[str, Distribution]:
     if problems:
         raise CaseError(problems)
     return found
-
-
-def _dotted(over: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Pairs of dotted keys and what they hold, also where TOML nests them."""
-    for key, value in over.items():
-        nested = isinstance(value, Mapping) and "." not in str(key) and not value.keys() & Distribution.model_fields
-        yield from ((f"{key}.{name}", item) for name, item in value.items()) if nested else [(str(key), value)]
 
 
 def _read(value: Any, name: str) -> Distribution:

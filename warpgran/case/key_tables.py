@@ -8,8 +8,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from warpgran.case.case import Case
+from warpgran.case.distributions import Distribution
 from warpgran.case.model import KeyInfo
 from warpgran.case.sections import SECTIONS
+from warpgran.case.sensitivity_section import Sensitivity
 from warpgran.case.sweep_section import Sweep
 from warpgran.case.toml import plain, toml_value
 
@@ -20,8 +22,13 @@ def with_tables(page: str) -> str:
     Raises:
         ValueError: A heading or its table is missing.
     """
-    sections = {f"`[{name}]`": model.described() for name, model in (SECTIONS | {"sweep": Sweep}).items()}
-    for heading, keys in {"Top level": {"title": KeyInfo.of(Case.model_fields["title"])}, **sections}.items():
+    models = SECTIONS | {"sweep": Sweep, "sensitivity": Sensitivity}
+    sections = {f"`[{name}]`": model.described() for name, model in models.items()}
+    sections |= {
+        "Top level": {"title": KeyInfo.of(Case.model_fields["title"])},
+        "Distributions": Distribution.described(),
+    }
+    for heading, keys in sections.items():
         before, mark, rest = page.partition(f"\n## {heading}\n")
         section, end, after = rest.partition("\n## ")
         tables = re.findall(r"(?m)^\| Key \|.*(?:\n\|.*)*", section)

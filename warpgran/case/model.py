@@ -82,7 +82,7 @@ class KeyInfo:
         """The key that a field of a section is."""
         extra: Any = field.json_schema_extra
         return cls(
-            default=field.default,
+            default=None if field.is_required() else field.default,
             unset=extra.get("unset", ""),
             kind=_kind(field.annotation),
             allowed=extra.get("allowed") or _allowed(field),

@@ -1,4 +1,4 @@
-"""Read run files, with or without a `[sweep]`, as studies, and check every run."""
+"""Read run files, with or without a `[sweep]` or a `[sensitivity]`, as studies, and check every run."""
 
 from __future__ import annotations
 
@@ -10,21 +10,23 @@ from typing import Any
 
 from warpgran.case.case import Case
 from warpgran.case.problems import CaseError, Problem, shown
+from warpgran.case.sensitivity_design import design_values
+from warpgran.case.sensitivity_section import Sensitivity, read_sensitivity, time_problems
 from warpgran.case.study import Study
 from warpgran.case.sweep_section import flatten, read_section
 from warpgran.case.sweep_values import values_by_run
-from warpgran.case.toml import as_data, load, override, set_key, without
+from warpgran.case.toml import VARYING, as_data, load, override, set_key, without
 from warpgran.case.validation import read_tables
 
 _MOST_MESSAGES = 5
 
 
 def read_study(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Study:
-    """Read a run file, with or without a `[sweep]`, and check every run of it.
+    """Read a run file, with or without a `[sweep]` or a `[sensitivity]`, and check every run of it.
 
     Args:
         path: The file, UTF-8. Paths in it start from its folder.
-        overrides: `KEY=VALUE` as for `Case.from_toml`; keys of the sweep too, as in `sweep.over.slope.angle=[0, 10]`.
+        overrides: `KEY=VALUE` as for `Case.from_toml`; keys of these sections too: `sweep.over.slope.angle=[0, 10]`.
 
     Raises:
         CaseError: Lists everything that is wrong, each line beginning with the file's name; problems of single
@@ -60,6 +62,21 @@ def sweep(
     return _study(data, flatten(data), case.folder, case.source)
 
 
+def sensitivity_design(case: Case, over: Mapping[str, Any], **section: Any) -> Study:
+    """The runs of a sensitivity study of a case, as the `[sensitivity]` section of a run file asks for them.
+
+    Args:
+        case: What all runs share.
+        over: Distributions by dotted key, `{"low": a, "high": b}` for instance.
+        section: The other keys of the section: `method`, `samples`, `seed`, `of`.
+
+    Raises:
+        CaseError: Lists everything that is wrong.
+    """
+    data = as_data(case) | {"sensitivity": {"over": over, **section}}
+    return _study(data, flatten(data), case.folder, case.source)
+
+
 def _study(
     data: dict[str, Any],
     problems: list[Problem],
@@ -72,17 +89,26 @@ def _study(
 
     The data are changed.
     """
-    section = data.pop("sweep", None)
-    if section is None:
+    sections = {name: data.pop(name) for name in VARYING if name in data}
+    if not sections:
         return Study(Case._checked(data, problems, folder, source, where), {})
     columns: Mapping[str, Sequence[Any]] = {}
+    design: Sensitivity | None = None
     try:
-        columns = values_by_run(read_section(section), folder)
+        if len(sections) > 1:
+            raise CaseError([Problem("sensitivity", "has no part beside [sweep]; take one of them out")])
+        if "sweep" in sections:
+            columns = values_by_run(read_section(sections["sweep"]), folder)
+        else:
+            design = read_sensitivity(sections["sensitivity"])
+            columns = design_values(design)
+            _leave_profiles_out(data)
     except CaseError as error:
         problems = problems + error.problems
     problems += [
-        Problem(key, f"the sweep varies it and would undo this override; set sweep.over.{key} instead")
+        Problem(key, f"the {VARYING[name]} varies it and would undo this override; set {name}.over.{key} instead")
         for key in dict.fromkeys(overridden)
+        for name in sections
         if key in columns
     ]
     unread = read_tables(data, folder)
@@ -93,7 +119,20 @@ def _study(
         raise CaseError([*problems, *of_file, *of_runs], where)
     for key, values in columns.items():
         set_key(data, key, values[0])
-    return Study(Case._checked(data, [], folder, source, where), columns)
+    study = Study(Case._checked(data, [], folder, source, where), columns)
+    if design:
+        at_no_sample = list(time_problems(design, study.base.sample_times))
+        if at_no_sample:
+            raise CaseError(at_no_sample, where)
+        study.design = design.to_toml()
+    return study
+
+
+def _leave_profiles_out(data: dict[str, Any]) -> None:
+    """No snapshots unless they are asked for: thousands of runs are looked at by their series."""
+    time = data.setdefault("time", {})
+    if isinstance(time, dict):
+        time.setdefault("snapshots", [])
 
 
 def _found(data: dict[str, Any], known: list[Problem], folder: Path) -> list[Problem]:

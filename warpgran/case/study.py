@@ -32,6 +32,7 @@ class Study(Sequence["Case"]):
         given: The cases of a study made with `of`, which may differ in any key; empty for a sweep.
         source: The run file's whole text, "" where there is none.
         folder: What relative paths start from.
+        design: The `[sensitivity]` section that made the runs, as text; "" where there is none.
     """
 
     def __init__(self, base: Case, columns: Mapping[str, Sequence[Any]]) -> None:
@@ -45,6 +46,7 @@ class Study(Sequence["Case"]):
         self.keys = tuple(columns)
         self.source = base.source
         self.folder = base.folder
+        self.design = ""
         self._columns = {key: _compact(key, values) for key, values in columns.items()}
         self.given: tuple[Case, ...] = ()
         self._runs = len(next(iter(columns.values()))) if columns else 1

@@ -16,6 +16,7 @@ from pydantic import Discriminator, StrictBool, StrictFloat, StrictInt, StrictSt
 from warpgran.case.model import Model, declare
 from warpgran.case.problems import CaseError, Problem, problems_of, shown, unknown_key
 from warpgran.case.sections import ALLOWED, KEYS
+from warpgran.case.toml import VARYING
 
 MOST_RUNS = 1_000_000
 SAMPLED = ("latin", "sobol")
@@ -28,6 +29,9 @@ _FIXED = {
     "time.series": _SHARED_TIMES,
 }
 
+
+_WORDS = {"low", "high", "log", "scale", "mean", "sd"}
+"""What a range or a distribution is made of; no key of a section has such a name."""
 
 KINDS = {name: known.kind for name, known in KEYS.items() if known.kind and name not in _FIXED}
 """What each key that can be swept holds: float, int, str or bool."""
@@ -103,19 +107,27 @@ class _Holder(Model):
 
 
 def flatten(data: dict[str, Any]) -> list[Problem]:
-    """Turn what `[sweep.over]` nests, as in `slope.angle = [1, 2]` without quotes, into dotted keys, in place."""
-    section = data.get("sweep")
-    over = section.get("over") if isinstance(section, Mapping) else None
-    if not isinstance(section, dict) or not isinstance(over, Mapping):
-        return []
+    """Turn what `[sweep.over]` and the like nest, as in `slope.angle = [1, 2]` without quotes, into dotted keys."""
+    problems = []
+    for name in VARYING:
+        section = data.get(name)
+        if not isinstance(section, dict) or not isinstance(section.get("over"), Mapping):
+            continue
+        pairs = dotted_pairs(section["over"])
+        section["over"] = {key: _listed(value) for key, value in pairs}
+        names = [key for key, _ in pairs]
+        twice = dict.fromkeys(key for key in names if names.count(key) > 1)
+        problems += [Problem(f"{name}.over.{key}", "is given twice") for key in twice]
+    return problems
+
+
+def dotted_pairs(over: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    """Dotted keys and what they hold; a key that is nested and dotted stands twice."""
     pairs: list[tuple[str, Any]] = []
     for key, value in over.items():
-        nested = isinstance(value, Mapping) and "." not in str(key) and not value.keys() <= Range.model_fields.keys()
+        nested = isinstance(value, Mapping) and value and "." not in str(key) and not value.keys() & _WORDS
         pairs += [(f"{key}.{name}", item) for name, item in value.items()] if nested else [(str(key), value)]
-    section["over"] = {key: _listed(value) for key, value in pairs}
-    names = [key for key, _ in pairs]
-    twice = dict.fromkeys(name for name in names if names.count(name) > 1)
-    return [Problem(f"sweep.over.{name}", "is given twice") for name in twice]
+    return pairs
 
 
 def _listed(value: Any) -> Any:

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from warpgran.case.problems import CaseError, Problem, shown
 from warpgran.case.tables import TableError, read_bed, read_profile
-from warpgran.case.toml import as_data, without
+from warpgran.case.toml import VARYING, as_data, without
 
 T = TypeVar("T")
 
@@ -54,10 +54,10 @@ def _misplaced(data: dict[str, Any]) -> list[Problem]:
         del data[key]
         section, _, name = key.partition(".")
         problems.append(Problem(f'"{key}"', f"unknown key; write {name} under [{section}]"))
-    if "sweep" in data:
-        del data["sweep"]
-        message = "is a sweep of several runs, and a case is one; read such a file with warpgran.read_study"
-        problems.append(Problem("sweep", message))
+    for name in [name for name in VARYING if name in data]:
+        del data[name]
+        message = f"is a {VARYING[name]} of several runs, and a case is one; read such a file with warpgran.read_study"
+        problems.append(Problem(name, message))
     return problems
 
 

@@ -128,6 +128,7 @@ class Layout:
             "schema_version": SCHEMA_VERSION,
             "run_file": self.study.source,
             "case_toml": base.to_toml(),
+            **({"sensitivity": self.study.design} if self.study.design else {}),
             "identity": identity(base),
             "warpgran_version": version("warpgran"),
             "warp_version": version("warp-lang"),

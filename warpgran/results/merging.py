@@ -12,7 +12,10 @@ import numpy as np
 from warpgran.files import StorageError, replacing
 from warpgran.schema import PARAMETERS
 
-SAME = ("identity", "precision", "engine", "warpgran_version", "warp_version", "schema_version", "run_file")
+SAME = (
+    "identity", "precision", "engine", "warpgran_version", "warp_version", "schema_version", "run_file", "sensitivity",
+)  # fmt: skip
+"""Attributes that files of one study share; no file has "sensitivity" where they are no design."""
 
 
 def merge(shards: Sequence[Path], path: Path) -> int:
