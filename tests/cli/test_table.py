@@ -37,7 +37,7 @@ def test_table_marks_what_holds_with_a_reserve() -> None:
     frame["left_grid"] = [False, True, False, True]
     frame["moving"] = [False, False, True, True]
     lines = [line.split() for line in printed(frame)]
-    assert [line[5][0] + line[6][0] for line in lines[2:6]] == ["66", ">>", "~~", ">>"]
+    assert [line[5][0] + line[6][0] for line in lines[2:6]] == ["00", ">>", "~~", ">>"]
     assert [line[-1] for line in lines[2:6]] == ["0.6", "0.6", "moving", "moving"]
     assert printed(frame)[6:] == ["> a lower bound: solid has left the grid", "~ not final: the flow had not stopped"]
 
@@ -80,3 +80,27 @@ def test_keys_that_follow_others_make_room_first() -> None:
     assert "rest_speed" in " ".join(wide)
     assert narrow[-1].startswith("without time.rest_speed")
     assert "run-out" in " ".join(narrow)
+
+
+@pytest.mark.parametrize(
+    ("factor", "units", "cells"),
+    [
+        (1.0, ["(cm)", "(cm)", "(cm)"], ["48.00", "40.00", "5.25"]),
+        (0.01, ["(mm)", "(mm)", "(mm)"], ["4.80", "4.00", "0.53"]),
+        (100.0, ["(m)", "(m)", "(m)"], ["48.000", "40.000", "5.250"]),
+        (2e4, ["(km)", "(km)", "(m)"], ["9.600", "8.000", "1050.000"]),
+    ],
+)
+def test_a_length_is_printed_in_the_unit_of_its_column(factor: float, units: list[str], cells: list[str]) -> None:
+    frame = summary(batch(slope__angle=[0.0, 0.0, 0.0]))
+    frame["run_out"], frame["front"], frame["h_max"] = 0.48 * factor, 0.4 * factor, 0.0525 * factor
+    heads, first = (line.split() for line in printed(frame)[1:3])
+    assert [unit for unit in heads if unit in ("(km)", "(m)", "(cm)", "(mm)")] == units
+    assert first[5:8] == cells
+
+
+def test_runs_of_very_different_size_share_the_unit_of_their_column() -> None:
+    frame = summary(batch(slope__angle=[0.0, 0.0, 0.0]))
+    frame["h_max"] = [0.004, 2.0, 30.0]
+    lines = [line.split() for line in printed(frame)]
+    assert [line[7] for line in lines[2:5]] == ["0.004", "2.000", "30.000"]

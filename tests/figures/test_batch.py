@@ -14,6 +14,7 @@ from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.figure import Figure
 from PIL import Image
 
+import warpgran as wg
 from warpgran.analysis.summary import summary
 from warpgran.case.case import Case
 from warpgran.case.sections import KEYS
@@ -62,6 +63,12 @@ def crosses(ax: Axes) -> np.ndarray:
     return np.concatenate([np.asarray(line.get_xydata()) for line in ax.lines if line.get_marker() == "x"])
 
 
+def opened(ax: Axes, sign: str) -> list[float]:
+    """Abscissae of the open marks of a panel."""
+    lines = [line for line in ax.lines if line.get_marker() == sign and str(line.get_markerfacecolor()) == "white"]
+    return [float(x) for line in lines for x in np.asarray(line.get_xdata())]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("data", [grid(), sample(60, 4, diverged=(7,)), sample(2), sample(60, 6)])
 def test_page_is_180_mm_wide_fits_a_sheet_and_clips_nothing(tmp_path: Path, data: xr.Dataset) -> None:
@@ -78,8 +85,8 @@ def test_two_keys_make_eight_panels_fronts_and_a_map() -> None:
     panels = letters(figure)
     assert sorted(panels) == [f"({c})" for c in "abcdefghij"]
     labels = [panels[f"({c})"].get_ylabel() for c in "abcd"]
-    assert labels == [panel.label for panel in batch_figures.QUANTITIES]
-    assert all(label.endswith(("(m)", "(cm)", "(s)", "(%)")) for label in labels)
+    units = dict(zip(batch_figures.QUANTITIES, ("m", "cm", "s", "%"), strict=True))
+    assert labels == [f"{panel.words} ({unit})" for panel, unit in units.items()]
     assert panels["(d)"].get_xlabel() == r"slope angle $\theta$ (°)"
     assert panels["(h)"].get_xlabel() == r"initial fraction $\varphi_0$ (-)"
     assert (panels["(i)"].get_xlabel(), panels["(i)"].get_ylabel()) == (
@@ -163,9 +170,51 @@ def test_runs_that_never_began_are_counted() -> None:
         data[name][4:] = np.nan
     data["status"][4:] = "pending"
     data["stop_time"][4:] = np.nan
+    data["status"][3] = "interrupted"
     figure = page(data)
     figure.canvas.draw()
-    assert "2 pending of 6 runs" in small_print(figure)
+    assert "3 of 6 runs are still to be computed and left out." in small_print(figure)
+    assert "Without" not in small_print(figure)
+    assert not any(crosses(ax).size for ax in letters(figure).values())
+    assert len(letters(figure)["(i)"].lines) == 4  # three fronts, and no crosses
+
+
+def test_open_marks_are_the_runs_whose_end_is_not_the_end() -> None:
+    data = grid(diverged=(2,))
+    data["outflow"][1:3] = 0.2
+    data["stop_time"][4] = np.nan
+    data["v_flow"][4] = 1.0
+    figure = page(data)
+    for letter, run, sign in (("a", 1, "^"), ("a", 4, "o"), ("b", 1, "^"), ("b", 4, "o")):
+        ax = letters(figure)[f"({letter})"]
+        assert opened(ax, sign) == [ANGLES[run]]
+    assert opened(letters(figure)["(d)"], "o") == opened(letters(figure)["(d)"], "^") == []
+    assert "△ 1 of 6 runs left the grid: their run-out is a lower bound." in small_print(figure)
+    assert "○ 1 of 6 runs still moved at the end." in small_print(figure)
+    assert "△" not in small_print(page(grid()))
+
+
+def test_a_batch_that_waits_has_nothing_to_draw() -> None:
+    data = grid()
+    data["status"][:] = "pending"
+    with pytest.raises(wg.ResultError, match="none of the runs is computed yet"):
+        page(data)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e-2, "mm"), (1.0, "m"), (1e4, "km")])
+def test_lengths_of_a_batch_are_in_one_unit(factor: float, unit: str) -> None:
+    data = batch(column__height=[0.001 * factor, 1000.0 * factor])
+    for name in ("front", "h_max", "x"):
+        data[name] = factor * data[name]
+    panels = letters(page(data))
+    assert panels["(a)"].get_ylabel().endswith(f"({unit})")
+    assert panels["(e)"].get_ylabel().endswith(f"({unit})")
+
+
+def test_a_swept_length_is_named_in_the_unit_of_its_values() -> None:
+    assert Key("rheology.grain_diameter", np.array([0.5, 2.0])).words.label == "grain diameter $d$ (m)"
+    assert Key("rheology.grain_diameter", np.array([5e-4, 2e-3])).words.label == "grain diameter $d$ (mm)"
+    assert Key("column.height", np.array([0.1, 0.2])).span() == "$h_0$ = $10$ to $20$ cm"
 
 
 def test_stop_times_that_no_run_has_are_called_none() -> None:

@@ -26,8 +26,18 @@ def test_page_names_quantities_symbols_and_units() -> None:
     figure = page(collapse())
     labels = [ax.get_ylabel() for ax in figure.axes]
     assert [ax.get_title(loc="left") for ax in figure.axes] == [f"({c})" for c in "aebfcgdh"]
-    assert labels[::2] == [panel.label for panel in figures.PROFILES]
-    assert labels[1::2] == [panel.label for panel in figures.SERIES]
+    assert labels[::2] == [
+        "thickness $h$ (cm)",
+        "velocity $v$ (m/s)",
+        r"volume fraction $\varphi$ (-)",
+        r"dilatancy angle $\psi$ (°)",
+    ]
+    assert labels[1::2] == [
+        r"front position $x_\mathrm{f}$ (m)",
+        r"max. thickness $h_\mathrm{max}$ (cm)",
+        r"speed $|v|$, $\dot{x}_\mathrm{f}$ (m/s)",
+        r"volume change $\Delta V/V_0$ (%)",
+    ]
     assert all("$" in label and label.endswith(")") for label in labels)
     assert [ax.get_xlabel() for ax in figure.axes[-2:]] == ["position along the slope $x$ (m)", "time $t$ (s)"]
     assert heading(figure).splitlines() == [
@@ -55,7 +65,7 @@ def test_every_panel_of_the_series_is_one_of_the_schema_and_the_speed_leaves_out
 
 
 def test_stop_time_is_marked_where_the_run_stopped() -> None:
-    legends = [page(two_runs(), run).axes[-1].get_legend() for run in (0, 1)]
+    legends = [page(two_runs(), run).axes[7].get_legend() for run in (0, 1)]
     texts = [[text.get_text() for text in legend.get_texts()] for legend in legends if legend is not None]
     assert "at rest, $t$ = 0.6 s" in texts[0]
     assert not any("at rest" in text for text in texts[1])
@@ -67,14 +77,13 @@ def test_page_of_a_diverged_run_says_so_and_shows_what_there_is() -> None:
         assert fact in " ".join(heading(figure).split())
     profiles = [line for line in figure.axes[0].lines if str(line.get_label()).startswith("$t$")]
     assert len(profiles) == figures.MAX_INSTANTS
-    assert figure.axes[0].get_ylabel() == "thickness $h$, bed $b$ (cm)"
     assert "diverged" not in heading(page(two_runs(), run=0))
 
 
 def test_page_says_how_many_snapshots_it_shows() -> None:
     assert "8 of the 12 snapshots" in page(two_runs()).axes[6].texts[0].get_text()
     assert "snapshots" not in page(collapse()).axes[6].texts[0].get_text()
-    assert "> 1 mm" in page(collapse()).axes[6].texts[0].get_text()
+    assert "> 1 mm." in page(collapse()).axes[6].texts[0].get_text()
 
 
 @pytest.mark.parametrize(("snapshots", "samples", "label"), [(4, 0, "thickness $h$ (cm)"), (0, 9, "front position")])
@@ -120,3 +129,47 @@ def test_a_run_that_came_to_rest_did_not_end_early() -> None:
     data = collapse()
     data["status"][0] = "at_rest"
     assert "ended" not in heading(page(data))
+
+
+def scaled(factor: float) -> xr.Dataset:
+    """The collapse with all of its lengths so many times as large."""
+    data = collapse(runs=2)
+    for name in ("x", "bed", "h", "front", "h_max"):
+        data[name] = factor * data[name]
+    return data
+
+
+@pytest.mark.parametrize(
+    ("factor", "along", "thick"), [(0.02, "cm", "mm"), (1.0, "m", "cm"), (2e3, "m", "m"), (2e4, "km", "m")]
+)
+def test_units_of_lengths_are_those_of_their_typical_size_in_all_runs(factor: float, along: str, thick: str) -> None:
+    data = scaled(factor)
+    data["h_max"][1] = data["h_max"][1] * 1e-3
+    for run in (0, 1):
+        figure = page(data, run)
+        labels = [figure.axes[n].get_ylabel() for n in (0, 3)] + [figure.axes[n].get_xlabel() for n in (6,)]
+        assert [label.split()[-1] for label in labels] == [f"({thick})", f"({thick})", f"({along})"]
+    scale = {"km": 1e-3, "m": 1.0, "cm": 100.0, "mm": 1000.0}
+    (top,) = {round(float(np.max(np.asarray(line.get_ydata()))), 9) for line in page(data).axes[0].lines[:1]}
+    assert top == pytest.approx(scale[thick] * float(data["h"][0, 0].max()))
+    assert np.asarray(page(data).axes[1].lines[0].get_ydata())[-1] == pytest.approx(
+        scale[along] * data["front"].values[0, -1]
+    )
+
+
+def test_a_bed_far_higher_than_the_mass_leaves_the_thickness_an_axis_of_its_own() -> None:
+    data = scaled(1.0)
+    data["bed"] = "cell", 400.0 * np.exp(-data["x"].values)
+    figure = page(data)
+    on_bed, thickness = figure.axes[-1], figure.axes[0]
+    assert on_bed.get_ylabel() == "bed $b$, surface\n$b + h$ (m)"
+    assert thickness.get_ylim()[1] < 30.0  # cm
+    bed = np.asarray(on_bed.lines[-1].get_ydata())
+    surfaces = [np.asarray(line.get_ydata()) for line in on_bed.lines[:-1]]
+    assert len(surfaces) == 4
+    np.testing.assert_allclose(np.nanmax(surfaces[0] - bed), float(data["h"][0, 0].max()), rtol=0.01)
+    assert [ax.get_title(loc="left") for ax in (on_bed, thickness)] == ["(a)", "(b)"]
+
+
+def test_a_flat_bed_has_no_panel() -> None:
+    assert len(page(collapse()).axes) == 8

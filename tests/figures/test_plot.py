@@ -29,7 +29,7 @@ def test_a_batch_is_drawn_together_or_one_run_of_it(tmp_path: Path, monkeypatch:
     path = tmp_path / "page.png"
     one = axes_of(monkeypatch, collapse(), path)
     assert one == 8
-    assert axes_of(monkeypatch, two_runs(), path, 1) == axes_of(monkeypatch, two_runs(), path, 0) == one
+    assert axes_of(monkeypatch, two_runs(), path, 1) == axes_of(monkeypatch, two_runs(), path, 0) == one + 1  # a bed
     assert axes_of(monkeypatch, two_runs(), path) != one
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> None:
     """Check a run file without running it: grid, outputs, least number of steps, memory and file size."""
+    from warpgran.analysis.units import unit_of
     from warpgran.case.read_study import read_study
     from warpgran.results.layout import Layout
     from warpgran.solve.state import bytes_of_run, bytes_of_start
@@ -29,9 +30,8 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     over = f" over {', '.join(study.keys)}" if study.keys else ""
     typer.echo(f"{file}: {case.title or 'untitled'}")
     typer.echo(f"{runs}{over}")
-    typer.echo(
-        f"{layout.cells} cells of {case.dx * 1e3:.4g} mm, t = {case.time.end:g} s, {least_steps(case)} steps or more"
-    )
+    dx = unit_of(case.dx).text(case.dx)
+    typer.echo(f"{layout.cells} cells of {dx}, t = {case.time.end:g} s, {least_steps(case)} steps or more")
     typer.echo(f"{outputs.snapshots} snapshots and {outputs.samples} samples")
     typer.echo(f"{cell_steps:.3g} cell-steps or more")
     variant = variant_of(case, precision)

@@ -10,7 +10,7 @@ import pandas as pd
 from rich.cells import cell_len
 from rich.table import Table
 
-from warpgran.arrays import Array
+from warpgran.analysis.units import LengthUnit, typical, unit_of
 from warpgran.case.defaults import FOLLOWS
 
 GAP = 2  # between columns, characters
@@ -30,8 +30,11 @@ MARKS = {  # of run-out and front, by the caveat of the run; the first that it h
 MARKED = ("run_out", "front")
 
 
+DIGITS = {"km": ".3f", "m": ".3f", "cm": ".2f", "mm": ".2f", "%": "+.2f"}
+
+
 def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Table:
-    """A summary for the terminal: lengths in cm where they are below 1 m.
+    """A summary for the terminal: lengths in km, m, cm or mm by their size, one unit a column.
 
     Args:
         frame: what `summary` returns.
@@ -46,7 +49,9 @@ def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Tab
     head, tail = (runs, 0) if runs <= limit else (limit - limit // 2, limit // 2)
     shown = np.r_[0:head, runs - tail : runs]
     printed = [str(name) for name in frame.columns if name not in MARKS]
-    columns = {name: _column(name, frame[name].to_numpy(), shown) for name in printed}
+    along = typical(frame[["run_out", "front"]].to_numpy(dtype=float).ravel())
+    units = {"run_out": unit_of(along), "front": unit_of(along), "h_max": unit_of(typical(frame["h_max"].to_numpy()))}
+    columns = {name: _column(name, frame[name].to_numpy()[shown], units.get(name)) for name in printed}
     _mark(columns, frame.iloc[shown])
     left_out = _too_wide(columns, width)
     columns = {name: lines for name, lines in columns.items() if name not in left_out}
@@ -66,15 +71,13 @@ def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Tab
     return table
 
 
-def _column(name: str, values: np.ndarray, shown: np.ndarray) -> tuple[str, list[str]]:
-    """Heading, in two lines, and cells of a printed column."""
+def _column(name: str, values: np.ndarray, length: LengthUnit | None) -> tuple[str, list[str]]:
+    """Heading, in two lines, and cells of a printed column; the unit of one that is of lengths is given."""
     section, _, key = name.rpartition(".")
     title, unit = PRINTED.get(name, (key, ""))
-    factor, form = {"m": (1.0, ".3f"), "%": (100.0, "+.2f")}.get(unit, (1.0, ".4g"))
-    if unit == "m" and _typical(values) < 1.0:
-        unit, factor, form = "cm", 100.0, ".2f"
+    unit, factor = length or (unit, 100.0 if unit == "%" else 1.0)
     heading = f"{section}.\n{title}" if section else f"{title}\n({unit})" if unit else f"{title}\n"
-    return heading, [_cell(value, factor, form) for value in values[shown].tolist()]
+    return heading, [_cell(value, factor, DIGITS.get(unit, ".4g")) for value in values.tolist()]
 
 
 def _mark(columns: dict[str, tuple[str, list[str]]], shown: pd.DataFrame) -> None:
@@ -85,12 +88,6 @@ def _mark(columns: dict[str, tuple[str, list[str]]], shown: pd.DataFrame) -> Non
             columns[name][1][n] = marks[0] + columns[name][1][n]
         if row.moving:
             columns["stop_time"][1][n] = "moving"
-
-
-def _typical(values: Array) -> float:
-    """Median of the amounts: a run that blew up does not decide the unit."""
-    finite = abs(values[np.isfinite(values)])
-    return float(np.median(finite)) if finite.size else 0.0
 
 
 def _cell(value: Any, factor: float, form: str) -> str:

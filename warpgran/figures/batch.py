@@ -2,12 +2,14 @@
 
 One page: run-out, final maximum thickness, stop time and largest dilation against each swept key; the front positions
 over time, as lines or, of many runs, as bands; with two swept keys, the run-out over both. Runs that ended early are
-red crosses at their parameters and count nowhere else: where they ended says nothing of their parameters.
+crosses at their parameters and count nowhere else: where they ended says nothing of their parameters. Runs that are
+still to be computed are left out. Open marks are runs whose result is not what it seems: `analysis.caveats`.
 """
 
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,14 +17,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
+from warpgran.analysis.caveats import WAITING
 from warpgran.analysis.summary import summary
+from warpgran.analysis.units import Lengths
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
 from warpgran.figures.heading import heading, main_facts
-from warpgran.figures.style import FRONT_LABEL, TIME_LABEL, WIDTH, Panel, hold_open, legend, letter, small_print
+from warpgran.figures.style import FRONT, TIME_LABEL, WIDTH, Panel, Sheet, hold_open, legend, letter, small_print
 from warpgran.figures.swept_keys import Key, runs_along, varied_keys
 from warpgran.schema import CLEAN
 
@@ -30,12 +33,13 @@ GAP = 0.2  # between panels, inches
 MAX_KEYS = 4  # columns of panels that fit the page
 MAX_LINES = 50  # fronts drawn one by one, and lines of joined points in a panel
 MAX_JOINED = 30  # values of a key whose points are joined
+OPEN = {"moving": "o", "left_grid": "^"}  # marks of caveats, the later one where a run has both
 CROSS: Any = {"color": "tab:red", "marker": "x", "markersize": 3.5, "markeredgewidth": 0.8, "linestyle": "none"}
 QUANTITIES = (
-    Panel("run_out", "run-out\n" + r"$x_\mathrm{f} - x_\mathrm{f}(0)$ (m)", span=0.01),
-    Panel("h_max", "final max.\nthickness (cm)", factor=100.0, span=1.0),
-    Panel("stop_time", "stop time\n" + r"$t_\mathrm{stop}$ (s)", span=0.01),
-    Panel("dilation_max", "max. dilation\n" + r"$\Delta V/V_0$ (%)", factor=100.0, span=1.0),
+    Panel("run_out", "run-out\n" + r"$x_\mathrm{f} - x_\mathrm{f}(0)$", "along", span=0.02),
+    Panel("h_max", "final max.\nthickness", "thick", span=0.07),
+    Panel("stop_time", "stop time\n" + r"$t_\mathrm{stop}$", "s", span=0.01),
+    Panel("dilation_max", "max. dilation\n" + r"$\Delta V/V_0$", "%", factor=100.0, span=1.0),
 )
 
 
@@ -47,7 +51,11 @@ class Batch:
         frame: the summary, without the values of runs that ended early.
         front: front position [m], shape (run, sample).
         time: times of the samples [s].
-        done: which runs did not end early, shape (run,).
+        done: which runs did all that was asked of them, shape (run,).
+        failed: which ended early, shape (run,); those still to be computed are in neither.
+        caveats: which are marked for what, shape (run,) each.
+        panels: the quantities, in the units of this result.
+        along: the front in its unit.
         keys: all keys that vary.
         drawn: the keys that have a column of panels.
         correlation: rank correlation of each key with the run-out, by name.
@@ -57,12 +65,16 @@ class Batch:
     front: Array
     time: Array
     done: np.ndarray
+    failed: np.ndarray
+    caveats: dict[str, np.ndarray]
+    panels: tuple[Panel, ...]
+    along: Panel
     keys: list[Key]
     drawn: list[Key]
     correlation: dict[str, float]
 
 
-def draw_batch(data: xr.Dataset) -> Figure:
+def draw_batch(data: xr.Dataset) -> Sheet:
     """The page of a batch, just as high as its parts ask: heading, panels, fronts and map, small print.
 
     Raises:
@@ -82,7 +94,7 @@ def draw_batch(data: xr.Dataset) -> Figure:
     fronts_end = fronts_top + fronts
     height = fronts_end + 0.63 + 0.15 * front_rows + 0.13 * (1 + caption.count("\n"))
 
-    figure = Figure(figsize=(WIDTH, height))
+    figure = Sheet(figsize=(WIDTH, height))
     place: Any = {"left": 0.095, "right": 0.98}
     axes: list[Axes] = []
     if rows:
@@ -111,17 +123,34 @@ def draw_batch(data: xr.Dataset) -> Figure:
 def _batch(data: xr.Dataset) -> Batch:
     """Choose and compute the data of the page."""
     frame = summary(data)
+    done, waiting = (frame["status"].isin(words).to_numpy() for words in (CLEAN, WAITING))
+    if waiting.all():
+        raise ResultError("there is nothing to draw: none of the runs is computed yet")
     if not np.isfinite(frame["front"]).any():
-        raise ResultError("there is nothing to draw: no run has a front, `time.series` may be empty")
-    done = frame["status"].isin(CLEAN).to_numpy()
+        empty = "`time.series` is empty" if not data["front"].size else "no run has a front"
+        alone = ", only one run alone: --run 0" if data["h"].size else ""
+        raise ResultError(f"there is nothing to draw of all runs together{alone}; {empty}")
     frame.loc[~done, [panel.name for panel in QUANTITIES]] = np.nan
+    lengths = Lengths.of(data)
     keys = varied_keys(data)
     correlation = {key.name: key.correlation(frame["run_out"].to_numpy()) for key in keys}
     ranked = sorted(keys, key=lambda key: -abs(correlation[key.name]))
     drawn = keys if len(keys) <= MAX_KEYS else ranked[:MAX_KEYS]
     drawn = drawn if any(key.numeric for key in drawn) else []
     front = data["front"].transpose("run", "sample").values
-    return Batch(frame, front, data["series_time"].values, done, keys, drawn, correlation)
+    return Batch(
+        frame=frame,
+        front=front,
+        time=data["series_time"].values,
+        done=done,
+        failed=~done & ~waiting,
+        caveats={name: done & frame[name].to_numpy() for name in OPEN},
+        panels=tuple(panel.of(lengths) for panel in QUANTITIES),
+        along=Panel("front", FRONT, "along", span=0.02).of(lengths),
+        keys=keys,
+        drawn=drawn,
+        correlation=correlation,
+    )
 
 
 def _heading(data: xr.Dataset, batch: Batch) -> str:
@@ -132,15 +161,19 @@ def _heading(data: xr.Dataset, batch: Batch) -> str:
 
 def _caption(batch: Batch, mapped: bool) -> str:
     """The small print: runs and keys left out, and the meaning of the marks."""
-    runs, ended = len(batch.done), batch.frame["status"][~batch.done].value_counts()
-    said = []
+    runs, ended = len(batch.done), batch.frame["status"][batch.failed].value_counts()
+    waiting = int((~batch.done & ~batch.failed).sum())
+    said = [f"{waiting} of {runs} runs are still to be computed and left out."] if waiting else []
     if len(ended):
         where = ["at the lower edges"] * bool(batch.drawn) + ["in the map"] * mapped + ["where their fronts ended"]
         words = " and ".join(f"{count} {word.replace('_', ' ')}" for word, count in ended.items())
-        said.append(f"Without a result: {words} of {runs} runs, red crosses {', '.join(where)}, else left out.")
+        said.append(f"Without a result: {words} of {runs} runs, crosses {', '.join(where)}, else left out.")
     if batch.drawn:
         resting = int(batch.frame["stop_time"].notna().sum())
         said.append(f"{resting} of {runs} runs came to rest and have a stop time.")
+    said += [
+        f"{sign} {count} of {runs} runs {words}." for sign, count, words in _caveats(batch) if count and batch.drawn
+    ]
     left_out = [key.name for key in batch.keys if key not in batch.drawn]
     if batch.drawn and left_out:
         found = ", ".join(f"{key.name} {batch.correlation[key.name]:+.2f}" for key in batch.drawn)
@@ -149,6 +182,16 @@ def _caption(batch: Batch, mapped: bool) -> str:
             f"is strongest: {found}; without {', '.join(left_out)}."
         )
     return textwrap.fill(" ".join(said).replace(" -", " \N{MINUS SIGN}"), 120)
+
+
+def _caveats(batch: Batch) -> Iterator[tuple[str, int, str]]:
+    """Sign, number and meaning of the open marks."""
+    yield (
+        "\N{WHITE UP-POINTING TRIANGLE}",
+        int(batch.caveats["left_grid"].sum()),
+        ("left the grid: their run-out is a lower bound"),
+    )
+    yield "\N{WHITE CIRCLE}", int(batch.caveats["moving"].sum()), "still moved at the end"
 
 
 def _colour_key(batch: Batch, but: Key | None = None) -> Key | None:
@@ -177,15 +220,15 @@ def _draw_panels(batch: Batch, grid: GridSpec) -> list[Axes]:
         colour = _colour_key(batch, key)
         groups = runs_along(key, batch.keys) if key.numeric and key.levels.size <= MAX_JOINED else []
         groups = groups if len(groups) <= MAX_LINES else []
-        for ax, panel in zip(column, QUANTITIES, strict=True):
-            _draw_points(ax, key, colour, panel.factor * batch.frame[panel.name].to_numpy(), groups)
+        for ax, panel in zip(column, batch.panels, strict=True):
+            _draw_points(ax, batch, panel, key, groups)
             edge = ax.get_xaxis_transform()
-            ax.plot(key.at[~batch.done], np.full(sum(~batch.done), 0.06), **CROSS, transform=edge, rasterized=True)
+            ax.plot(key.at[batch.failed], np.full(sum(batch.failed), 0.06), **CROSS, transform=edge, rasterized=True)
         for ax in column[-2:] if alone else column[-1:]:
             key.label_axis(ax, lines)
         if colour:
             legend(column, 3 if lines == 1 else 2, 22.0 + 10.0 * lines)
-    for ax, panel in zip(by_key[0], QUANTITIES, strict=True):
+    for ax, panel in zip(by_key[0], batch.panels, strict=True):
         ax.set_ylabel(panel.label)
         _make_room(ax, panel, batch)
     return [ax for column in by_key for ax in column]
@@ -198,30 +241,45 @@ def _make_room(ax: Axes, panel: Panel, batch: Batch) -> None:
         ax.text(0.5, 0.5, "none", transform=ax.transAxes, ha="center", va="center", color="0.3")
         return
     hold_open(ax, panel.span)
-    if not batch.done.all():
+    if batch.failed.any():
         low, high = ax.get_ylim()
         ax.set_ylim(low - 0.1 * (high - low), high)
 
 
-def _draw_points(ax: Axes, key: Key, colour: Key | None, values: Array, groups: list[np.ndarray]) -> None:
-    """One quantity against one key: joined points, or points alone."""
+def _draw_points(ax: Axes, batch: Batch, panel: Panel, key: Key, groups: list[np.ndarray]) -> None:
+    """One quantity against one key: joined points, or points alone; open where the end was not the end."""
+    values = panel.factor * batch.frame[panel.name].to_numpy()
+    colour = _colour_key(batch, key)
     size = float(np.clip(40.0 / np.sqrt(values.size), 1.0, 3.0))
-    look: dict[str, Any] = {"marker": "o", "markersize": size, "markeredgewidth": 0.0, "rasterized": values.size > 200}
-    look |= {"linestyle": "none", "alpha": 1.0 if values.size <= 500 else 0.6}
-    if colour is None:
-        ax.plot(key.at, values, color="0.2", **look)
-    else:
-        for level, tint in enumerate(colour.colours):
-            runs = np.flatnonzero(colour.level == level)
-            ax.plot(key.at[runs], values[runs], color=tint, label=colour.label(level), **look)
+    look: dict[str, Any] = {"markersize": size, "linestyle": "none", "rasterized": values.size > 200}
+    look["alpha"] = 1.0 if values.size <= 500 else 0.6
+    mark = np.full(values.size, "")
+    for name in OPEN if panel.name in ("run_out", "h_max") else ():
+        mark = np.where(batch.caveats[name], OPEN[name], mark)
+    levels = range(1) if colour is None else range(colour.levels.size)
+    for level in levels:
+        of_level = np.ones(values.size, dtype=bool) if colour is None else colour.level == level
+        tint = "0.2" if colour is None else colour.colours[level]
+        closed = of_level & (mark == "")
+        label = colour.label(level) if colour else None
+        ax.plot(key.at[closed], values[closed], "o", color=tint, label=label, **look, markeredgewidth=0.0)
+        for sign in set(mark[of_level]) - {""}:
+            runs = of_level & (mark == sign)
+            ax.plot(key.at[runs], values[runs], sign, color=tint, **_opened(look))
     for runs in groups:
         shade = colour.colours[colour.level[runs[0]]] if colour else "0.2"
-        ax.plot(key.at[runs], values[runs], color=shade, linewidth=0.8)
+        ax.plot(key.at[runs], values[runs], color=shade, linewidth=0.8, zorder=1.9)
+
+
+def _opened(look: dict[str, Any]) -> dict[str, Any]:
+    """The look of an open mark, a little larger so that it is seen to be open."""
+    return {**look, "markersize": 1.4 * look["markersize"], "markerfacecolor": "white", "markeredgewidth": 0.9}
 
 
 def _draw_fronts(ax: Axes, batch: Batch) -> None:
     """Front positions over time: lines, or median and bands of many runs; those of runs that ended early in red."""
-    done = batch.front[batch.done]
+    front = batch.along.factor * batch.front
+    done = front[batch.done]
     if len(batch.done) <= MAX_LINES:
         _draw_lines(ax, batch)
     elif np.isfinite(done).any():
@@ -230,37 +288,43 @@ def _draw_fronts(ax: Axes, batch: Batch) -> None:
         ax.fill_between(batch.time[known], low, high, color="0.88", linewidth=0.0, label="5 to 95 % of runs")
         ax.fill_between(batch.time[known], lower, upper, color="0.7", linewidth=0.0, label="25 to 75 %")
         ax.plot(batch.time[known], middle, color="black", label="median")
-    known = np.isfinite(batch.front[~batch.done])
+    known = np.isfinite(front[batch.failed])
     last = known.shape[1] - 1 - np.argmax(known[:, ::-1], axis=1)
-    ends = batch.front[~batch.done][np.arange(last.size), last]
+    ends = front[batch.failed][np.arange(last.size), last]
     ax.plot(batch.time[last], ends, **CROSS, rasterized=True)
     ax.set_xlabel(TIME_LABEL)
-    ax.set_ylabel(FRONT_LABEL)
+    ax.set_ylabel(batch.along.label)
     if batch.time.size > 1:
         ax.set_xlim(batch.time[0], batch.time[-1])
-    hold_open(ax, 0.01)
+    hold_open(ax, batch.along.span)
 
 
 def _draw_lines(ax: Axes, batch: Batch) -> None:
     """The front of each run, in the colours of a key; a few names in the legend."""
     key = _front_key(batch)
     named_levels: set[int] = set()
-    for r, front in enumerate(batch.front):
+    for r in np.flatnonzero(batch.done | batch.failed).tolist():
         look: dict[str, Any] = {"color": "0.3" if batch.done[r] else "tab:red"}
         if key is not None and batch.done[r]:
             level = int(key.level[r])
             look = {"color": key.colours[level], "label": None if level in named_levels else key.label(level)}
             named_levels.add(level)
-        ax.plot(batch.time, front, linewidth=0.8, **look)
+        ax.plot(batch.time, batch.along.factor * batch.front[r], linewidth=0.8, **look)
 
 
 def _draw_map(ax: Axes, batch: Batch) -> None:
     """The run-out over the two keys: cells where the values form a full grid, else points."""
     a, b = batch.drawn
-    value = batch.frame["run_out"].to_numpy()
+    run_out = batch.panels[0]
+    value = run_out.factor * batch.frame["run_out"].to_numpy()
     known = value[np.isfinite(value)]
     low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
-    look: dict[str, Any] = {"cmap": "viridis", "vmin": low, "vmax": max(high, low + 0.01), "rasterized": True}
+    look: dict[str, Any] = {
+        "cmap": "viridis",
+        "vmin": low,
+        "vmax": max(high, low + run_out.span or 1.0),
+        "rasterized": True,
+    }
     shape = (b.levels.size, a.levels.size)
     if value.size == a.levels.size * b.levels.size == np.unique(b.level * shape[1] + a.level).size:
         cells = np.full(shape, np.nan)
@@ -269,7 +333,10 @@ def _draw_map(ax: Axes, batch: Batch) -> None:
     else:
         size = float(np.clip(2000.0 / value.size, 2.0, 20.0))
         picture = ax.scatter(a.at[batch.done], b.at[batch.done], size, value[batch.done], linewidths=0.0, **look)
-    ax.plot(a.at[~batch.done], b.at[~batch.done], **CROSS)
-    ax.figure.colorbar(picture, ax=ax, label="run-out (m)", pad=0.03)
+    ax.plot(a.at[batch.failed], b.at[batch.failed], **CROSS)
+    for name, sign in OPEN.items():
+        runs = batch.caveats[name]
+        ax.plot(a.at[runs], b.at[runs], sign, color="0.3", **_opened({"markersize": 2.5, "linestyle": "none"}))
+    ax.figure.colorbar(picture, ax=ax, label=f"run-out ({run_out.unit})", pad=0.03)
     a.label_axis(ax, 1)
     b.label_axis(ax, 1, horizontal=False)

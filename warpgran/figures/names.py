@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from warpgran.analysis.units import typical, unit_of
+from warpgran.arrays import Array
 from warpgran.case.sections import KEYS
 
 
@@ -26,13 +28,21 @@ class Parameter(NamedTuple):
         return f"{self.symbol or self.words} = {shown(value)}{self.unit}"
 
 
-def named(key: str) -> Parameter:
-    """What a key of the run file is called; one that is not known is called by the key."""
+def named(key: str, values: Array | None = None) -> Parameter:
+    """What a key of the run file is called; one that is not known is called by the key.
+
+    Args:
+        key: dotted.
+        values: what it is in the runs; the unit of lengths suits them.
+    """
     if key not in KEYS:
         return Parameter(key, "")
     known = KEYS[key]
-    space = "" if known.display_unit in ("", "°") else " "
-    return Parameter(known.name, known.symbol and f"${known.symbol}$", space + known.display_unit, known.factor)
+    unit, factor = known.display_unit, known.factor
+    if known.unit == "m" and values is not None:
+        unit, factor = unit_of(typical(values))
+    space = "" if unit in ("", "°") else " "
+    return Parameter(known.name, known.symbol and f"${known.symbol}$", space + unit, factor)
 
 
 def shown(value: Any) -> str:

@@ -1,8 +1,9 @@
 """The figure of one run: its profiles and series on one page.
 
-SI units but for thicknesses (cm), volume changes (%) and angles (degrees). Values that are NaN are left out. Velocity,
-volume fraction and dilatancy angle are drawn only where the compacted thickness exceeds h_front: thinner material is no
-continuum.
+SI units but for lengths (by their size, `analysis.units`), volume changes (%) and angles (degrees). Values that are NaN
+are left out. Velocity, volume fraction and dilatancy angle are drawn only where the compacted thickness exceeds
+h_front: thinner material is no continuum. A bed that is not flat has a panel of its own across the page, where the mass
+lies on it, since a bed can be higher than the mass by orders.
 """
 
 from __future__ import annotations
@@ -11,33 +12,47 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from warpgran.analysis.fields import derive, number
 from warpgran.analysis.front import thick
+from warpgran.analysis.units import Lengths, unit_of
+from warpgran.arrays import Array
 from warpgran.errors import ResultError
 from warpgran.figures.heading import run_heading
 from warpgran.figures.selection import computed_snapshots, one_run, wet_range
-from warpgran.figures.style import FRONT_LABEL, THIN, TIME_LABEL, WIDTH, Panel, hold_open, legend, letter, small_print
+from warpgran.figures.style import (
+    FRONT,
+    THIN,
+    TIME_LABEL,
+    WIDTH,
+    Panel,
+    Sheet,
+    hold_open,
+    legend,
+    letter,
+    small_print,
+)
 
 MAX_INSTANTS = 8  # more lines than this cannot be told apart
-HEIGHT = 205 / 25.4  # inches
+HEIGHT = 205 / 25.4  # inches, without a bed
+BED_HEIGHT, BED_GAP = 1.2, 0.45  # of the panel of the bed, inches
 
 PROFILES = (
-    Panel("h", "thickness $h$ (cm)", factor=100.0, span=1.0),
-    Panel("v", "velocity $v$ (m/s)", span=0.01, thin=False),
-    Panel("phi", r"volume fraction $\varphi$ (-)", span=0.02, thin=False, reference="rheology.phi_stat"),
-    Panel("psi", r"dilatancy angle $\psi$ (°)", span=1.0, thin=False, reference=0.0),
+    Panel("h", "thickness $h$", "thick", span=0.07),
+    Panel("v", "velocity $v$", "m/s", thin=False),
+    Panel("phi", r"volume fraction $\varphi$", "-", span=0.02, thin=False, reference="rheology.phi_stat"),
+    Panel("psi", r"dilatancy angle $\psi$", "°", span=1.0, thin=False, reference=0.0),
 )
 SERIES = (
-    Panel("front", FRONT_LABEL, span=0.01),
-    Panel("h_max", r"max. thickness $h_\mathrm{max}$ (cm)", factor=100.0, span=1.0),
-    Panel("v_flow", r"speed $|v|$, $\dot{x}_\mathrm{f}$ (m/s)"),
-    Panel("volume_change", r"volume change $\Delta V/V_0$ (%)", factor=100.0, span=1.0, reference=0.0),
+    Panel("front", FRONT, "along", span=0.02),
+    Panel("h_max", r"max. thickness $h_\mathrm{max}$", "thick", span=0.07),
+    Panel("v_flow", r"speed $|v|$, $\dot{x}_\mathrm{f}$", "m/s"),
+    Panel("volume_change", r"volume change $\Delta V/V_0$", "%", factor=100.0, span=1.0, reference=0.0),
 )
+POSITION = Panel("x", "position along the slope $x$", "along")
 
 
-def draw_run(data: xr.Dataset, run: int) -> Figure:
+def draw_run(data: xr.Dataset, run: int) -> Sheet:
     """The page of one run: profiles on the left, series on the right, either alone if the other has nothing to show.
 
     Raises:
@@ -51,57 +66,91 @@ def draw_run(data: xr.Dataset, run: int) -> Figure:
         raise ResultError(
             f"run {one.attrs['run']} has nothing to draw: it holds no snapshot and no sample of the series"
         )
-    figure = Figure(figsize=(WIDTH, HEIGHT))
-    axes = figure.subplots(4, len(columns), sharex="col", squeeze=False)
+    lengths = Lengths.of(data)
+    on_bed = bool(snapshots.sizes["time"]) and np.ptp(one["bed"].values) > 0.0
     title = run_heading(one)
-    top = 1 - (0.25 + 0.18 * (1 + title.count("\n"))) / HEIGHT
-    figure.subplots_adjust(left=0.085, right=0.975, bottom=0.135, top=top, hspace=0.18, wspace=0.24)
+    head = 0.25 + 0.18 * (1 + title.count("\n"))
+    above = head + (BED_HEIGHT + BED_GAP if on_bed else 0.0)
+    height = HEIGHT + above - head
+    figure = Sheet(figsize=(WIDTH, height))
+    axes = figure.subplots(4, len(columns), sharex="col", squeeze=False)
+    place = {"left": 0.085, "right": 0.975}
+    figure.subplots_adjust(**place, bottom=1.09 / height, top=1 - above / height, hspace=0.18, wspace=0.24)
     for column, draw in zip(axes.T, columns, strict=True):
-        draw(snapshots if draw is _draw_profiles else one, list(column))
-    letter(list(axes.T.flat))
+        draw(snapshots if draw is _draw_profiles else one, list(column), lengths)
+    ordered = list(axes.T.flat)
+    if on_bed:
+        bottom = 1 - (head + BED_HEIGHT) / height
+        ordered.insert(0, figure.add_axes((place["left"], bottom, place["right"] - place["left"], BED_HEIGHT / height)))
+        _draw_on_bed(_shown_instants(snapshots), ordered[0], lengths)
+    letter(ordered)
     for ax in axes.flat:
         ax.locator_params(axis="x", nbins=7)
-    figure.align_ylabels(axes)
-    figure.suptitle(title, fontsize=9, y=0.99, linespacing=1.4)
+    figure.align_ylabels([ax for ax in figure.axes if ax.get_position().x0 < 0.1])
+    figure.align_ylabels(axes[:, -1])
+    figure.suptitle(title, fontsize=9, y=1 - 0.08 / height, linespacing=1.4)
     return figure
 
 
 def _caption(one: xr.Dataset, drawn: int, held: int) -> str:
     """The small print under the profiles."""
-    h_front = 1000.0 * number(one, "scheme.h_front")
-    caption = rf"$v$, $\varphi$ and $\psi$ are drawn only where $\varphi h/\varphi_\mathrm{{stat}}$ > {h_front:.3g} mm."
+    h_front = number(one, "scheme.h_front")
+    least = unit_of(h_front).text(h_front)
+    caption = rf"$v$, $\varphi$ and $\psi$ are drawn only where $\varphi h/\varphi_\mathrm{{stat}}$ > {least}."
     return caption + (f" {drawn} of the {held} snapshots are shown." if drawn < held else "")
 
 
-def _draw_profiles(one: xr.Dataset, axes: list[Axes]) -> None:
-    """Thickness, velocity, volume fraction and dilatancy angle along x, a colour for each instant."""
+def _shown_instants(one: xr.Dataset) -> xr.Dataset:
+    """The snapshots that are drawn, and the cells that the mass covers."""
     held = one.sizes["time"]
     instants = np.unique(np.linspace(0, held - 1, min(held, MAX_INSTANTS)).round().astype(int))
-    one = one.isel(cell=wet_range(one), time=instants)
+    return one.isel(cell=wet_range(one), time=instants)
+
+
+def _tints(instants: int) -> Array:
+    """A colour for each instant, from dark to light."""
+    return np.asarray(colormaps["viridis"](np.linspace(0.0, 0.87, instants)))
+
+
+def _draw_on_bed(one: xr.Dataset, ax: Axes, lengths: Lengths) -> None:
+    """The free surface on the bed, at the instants of the profiles."""
+    bed, h = one["bed"].values, np.where(thick(one).values, one["h"].values, np.nan)
+    along, up = unit_of(lengths.along), unit_of(max(float(np.ptp(bed)), lengths.thick))
+    x = along.factor * one["x"].values
+    for surface, colour in zip(up.factor * (bed + h), _tints(one.sizes["time"]), strict=True):
+        ax.plot(x, surface, color=colour)
+    ax.plot(x, up.factor * bed, color="0.3", linewidth=0.8, zorder=3)
+    low, high = ax.get_ylim()
+    ax.fill_between(x, up.factor * bed, low, color="0.88", linewidth=0.0, zorder=2.5)
+    ax.set(xlim=x[[0, -1]], ylim=(low, high), ylabel=f"bed $b$, surface\n$b + h$ ({up.name})")
+
+
+def _draw_profiles(one: xr.Dataset, axes: list[Axes], lengths: Lengths) -> None:
+    """Thickness, velocity, volume fraction and dilatancy angle along x, a colour for each instant."""
+    held = one.sizes["time"]
+    one = _shown_instants(one)
     one = one.assign(derive(one, "psi"))
     shown = thick(one).values
-    colours = colormaps["viridis"](np.linspace(0.0, 0.87, instants.size))
-    for ax, panel in zip(axes, PROFILES, strict=True):
+    position = POSITION.of(lengths)
+    x = position.factor * one["x"].values
+    for ax, panel in zip(axes, (panel.of(lengths) for panel in PROFILES), strict=True):
         values = np.where(shown | panel.thin, panel.factor * one[panel.name].values, np.nan)
-        for profile, time, colour in zip(values, one["time"].values, colours, strict=True):
-            ax.plot(one["x"], profile, color=colour, label=f"$t$ = {time:g} s")
+        for profile, time, colour in zip(values, one["time"].values, _tints(one.sizes["time"]), strict=True):
+            ax.plot(x, profile, color=colour, label=f"$t$ = {time:g} s")
         _finish(ax, panel, one)
-    bed = 100.0 * one["bed"].values
-    if np.ptp(bed) > 0:
-        axes[0].plot(one["x"], bed, **THIN, label="bed $b$")
-        axes[0].set_ylabel("thickness $h$, bed $b$ (cm)")
-    axes[0].set_ylim(bottom=min(0.0, 1.05 * bed.min()))
-    axes[-1].set_xlim(*one["x"].values[[0, -1]])
-    axes[-1].set_xlabel("position along the slope $x$ (m)")
+    hold_open(axes[1], 10.0 * number(one, "time.rest_speed"))
+    axes[0].set_ylim(bottom=0.0)
+    axes[-1].set_xlim(*x[[0, -1]])
+    axes[-1].set_xlabel(position.label)
     legend(axes, 4)
-    small_print(axes[-1], _caption(one, instants.size, held))
+    small_print(axes[-1], _caption(one, one.sizes["time"], held))
 
 
-def _draw_series(one: xr.Dataset, axes: list[Axes]) -> None:
+def _draw_series(one: xr.Dataset, axes: list[Axes], lengths: Lengths) -> None:
     """Front, thickness, speeds and volume change against time."""
     time = one["series_time"].values
     marker = "." if np.isfinite(one["h_max"].values).sum() == 1 else None
-    for ax, panel in zip(axes, SERIES, strict=True):
+    for ax, panel in zip(axes, (panel.of(lengths) for panel in SERIES), strict=True):
         ax.plot(time, panel.factor * one[panel.name].values, color="black", marker=marker)
         _finish(ax, panel, one)
         if panel.name == "v_flow":

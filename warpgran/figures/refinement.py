@@ -9,9 +9,8 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from warpgran.analysis.refinement import Refined
-from warpgran.figures.style import STYLE, THIN, WIDTH
+from warpgran.figures.style import COLOURS, STYLE, THIN, WIDTH
 
-COLOURS = ("#d55e00", "#cc79a7", "#0072b2", "#009e73", "#e69f00", "#56b4e9", "0.2")
 MARKS = "sDo^v<>"
 
 

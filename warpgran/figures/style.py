@@ -6,13 +6,17 @@ Nothing here or in the figures touches pyplot, so that no window opens and no fi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
+from warpgran.analysis.units import Lengths, unit_of
 from warpgran.errors import OptionError
 
 PLOT_SUFFIXES = (".png", ".pdf", ".svg")
@@ -36,8 +40,32 @@ STYLE: Any = {
     "pdf.fonttype": 42,
 }
 THIN: dict[str, Any] = {"color": "0.45", "linewidth": 0.7, "zorder": 1}
-FRONT_LABEL = r"front position $x_\mathrm{f}$ (m)"
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "0.2", "#999933")
+"""Colours that the colour-blind can tell apart (Okabe and Ito), for what has no order."""
+DASHES: Any = ("-", (0, (5, 1.5)), (0, (1.5, 1)), (0, (5, 1.5, 1.5, 1.5)))
+"""Line styles beside them, so that print in grey tells lines apart too."""
+FRONT = r"front position $x_\mathrm{f}$"
+FRONT_LABEL = f"{FRONT} (m)"
 TIME_LABEL = "time $t$ (s)"
+
+
+class Sheet(Figure):
+    """A figure that is drawn and saved in our style wherever it is taken, and that a notebook shows by itself."""
+
+    def draw(self, renderer: Any) -> None:
+        """Draw it."""
+        with rc_context(STYLE):
+            super().draw(renderer)
+
+    def savefig(self, *arguments: Any, **options: Any) -> None:
+        """Save it, by default with 200 dots an inch."""
+        with rc_context(STYLE):
+            super().savefig(*arguments, **{"dpi": 200, **options})
+
+    def _repr_png_(self) -> bytes:
+        picture = BytesIO()
+        self.savefig(picture, format="png", dpi=120)
+        return picture.getvalue()
 
 
 @dataclass(frozen=True)
@@ -46,19 +74,35 @@ class Panel:
 
     Attributes:
         name: variable of the result or column of its summary.
-        label: quantity, symbol and unit.
-        factor: from SI units to those of the label.
-        span: least extent of the axis, in the unit of the label, so that rounding is not shown as a signal.
+        words: quantity and symbol.
+        unit: of the axis; "along" or "thick" for lengths along the slope or normal to it, in the unit of the result.
+        factor: from SI units to that of the axis.
+        span: least extent of the axis, in its unit, so that rounding is not shown as a signal; of lengths the share of
+            the typical one.
         thin: whether it is drawn where the material is thinner than `scheme.h_front`.
         reference: level of a thin reference line, a number or the dotted key of a parameter.
     """
 
     name: str
-    label: str
+    words: str
+    unit: str
     factor: float = 1.0
     span: float = 0.0
     thin: bool = True
     reference: float | str | None = None
+
+    @property
+    def label(self) -> str:
+        """Quantity, symbol and unit."""
+        return f"{self.words} ({self.unit})"
+
+    def of(self, lengths: Lengths) -> Panel:
+        """The panel with the unit of lengths chosen."""
+        if self.unit not in lengths._fields:
+            return self
+        typical: float = getattr(lengths, self.unit)
+        name, factor = unit_of(typical)
+        return replace(self, unit=name, factor=factor, span=self.span * typical * factor)
 
 
 def checked(path: str | Path, suffixes: tuple[str, ...]) -> Path:

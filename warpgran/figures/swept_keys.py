@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba_array
 
 from warpgran.analysis.correlation import rank_correlation
 from warpgran.analysis.fields import parameter
@@ -20,6 +21,7 @@ from warpgran.analysis.runs import swept
 from warpgran.arrays import Array
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.figures.names import named
+from warpgran.figures.style import COLOURS
 
 FEW = 6  # values of a key that colours can tell apart
 
@@ -38,8 +40,9 @@ class Key:
     """
 
     def __init__(self, name: str, values: np.ndarray) -> None:
-        self.name, self.words = name, named(name)
+        self.name = name
         self.numeric = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values.tolist())
+        self.words = named(name, values.astype(float) if self.numeric else None)
         self.levels, self.level = np.unique(values if self.numeric else values.astype(str), return_inverse=True)
         count = self.levels.size
         self.places = self.words.factor * self.levels.astype(float) if self.numeric else np.arange(count, dtype=float)
@@ -54,7 +57,7 @@ class Key:
     def colours(self) -> np.ndarray:
         """A colour for each level."""
         if not self.numeric:
-            return np.asarray(colormaps["tab10"](np.arange(self.levels.size) % 10))
+            return to_rgba_array([COLOURS[n % len(COLOURS)] for n in range(self.levels.size)])
         even = self.few or self.places.size == 1
         along = np.arange(self.levels.size) if even else np.log(self.places) if self.logarithmic else self.places
         return np.asarray(colormaps["viridis"](0.87 * (along - along[0]) / (along[-1] - along[0] or 1.0)))
