@@ -23,7 +23,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "physics": {"arrays"},
     "solve": {"case", "physics", "kernels", "schema", "errors", "arrays"},
     "analysis": {"case", "physics", "schema", "files", "errors", "arrays"},
-    "results": {"case", "solve", "schema", "files", "errors", "arrays"},
+    "results": {"case", "solve", "analysis", "schema", "files", "errors", "arrays"},
     "figures": {"case", "analysis", "schema", "files", "errors", "arrays"},
     "run": {"case", "solve", "results", "schema", "files", "errors", "arrays"},
     "studies": {"run", "figures", "analysis", "results", "case", *LEAVES},

@@ -1,11 +1,11 @@
-"""What a result holds: the name, dimensions, units and meaning of every variable, in memory and in the file."""
+"""What a result holds: the name, dimensions, units and meaning of every variable, in memory and in the file alike."""
 
 from __future__ import annotations
 
 from enum import IntEnum
 from typing import NamedTuple
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 """Goes up when a reader of older files would misread a new one."""
 
 
@@ -40,41 +40,68 @@ class Variable(NamedTuple):
     dims: tuple[str, ...]
     units: str
     long_name: str
+    standard_name: str = ""
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """The names of the CF conventions."""
+        named = {"units": self.units, "long_name": self.long_name, "standard_name": self.standard_name}
+        return {name: text for name, text in named.items() if text}
+
+    @property
+    def padded(self) -> Variable:
+        """The same where the grids of a batch differ: over numbers of cells, and x and bed in each run."""
+        dims = tuple("cell" if dim == "x" else dim for dim in self.dims)
+        return self._replace(dims=dims if "run" in dims or "cell" not in dims else ("run", *dims))
 
 
 COORDINATES = {
-    "x": Variable(("cell",), "m", "distance along the slope"),
-    "bed": Variable(("cell",), "m", "bed elevation normal to the slope"),
-    "time": Variable(("time",), "s", "time of the snapshots"),
-    "series_time": Variable(("sample",), "s", "time of the series"),
+    "run": Variable(("run",), "1", "number of the run in the study"),
+    "time": Variable(("time",), "s", "time of the snapshots", "time"),
+    "series_time": Variable(("series_time",), "s", "time of the series", "time"),
+    "x": Variable(("x",), "m", "distance along the slope"),
+    "cell": Variable(("cell",), "1", "number of the cell"),
 }
-"""x and bed have the dimensions (run, cell) where the grids of a batch differ."""
+"""Of the dimensions. A result has x where all its runs share the grid, else cell, and x and bed over (run, cell)."""
+
+GRID = {
+    "x": COORDINATES["x"],
+    "bed": Variable(("x",), "m", "bed elevation normal to the slope"),
+}
+"""Of each grid."""
 
 FIELDS = {
-    "h": Variable(("run", "time", "cell"), "m", "thickness normal to the slope"),
-    "v": Variable(("run", "time", "cell"), "m s-1", "velocity along the slope"),
-    "phi": Variable(("run", "time", "cell"), "1", "solid volume fraction"),
+    "h": Variable(("run", "time", "x"), "m", "thickness normal to the slope"),
+    "v": Variable(("run", "time", "x"), "m s-1", "velocity along the slope"),
+    "phi": Variable(("run", "time", "x"), "1", "solid volume fraction"),
 }
 
 SERIES = {
-    "front": Variable(("run", "sample"), "m", "front position, where the compacted thickness falls through h_front"),
-    "front_speed": Variable(("run", "sample"), "m s-1", "front speed"),
-    "h_max": Variable(("run", "sample"), "m", "maximum thickness"),
-    "v_max": Variable(("run", "sample"), "m s-1", "maximum speed, however thin the flow"),
-    "v_flow": Variable(("run", "sample"), "m s-1", "maximum speed where the compacted thickness exceeds h_front"),
-    "volume_change": Variable(("run", "sample"), "1", "relative change of the volume that h_front marks"),
-    "mass": Variable(("run", "sample"), "m2", "volume of solid per unit width"),
-    "energy": Variable(("run", "sample"), "m4 s-2", "energy (2.7) per unit width and grain density"),
-    "outflow": Variable(("run", "sample"), "1", "share of the solid that has left through the ends"),
+    "front": Variable(
+        ("run", "series_time"), "m", "front position, where the compacted thickness falls through h_front"
+    ),
+    "front_speed": Variable(("run", "series_time"), "m s-1", "front speed"),
+    "h_max": Variable(("run", "series_time"), "m", "maximum thickness"),
+    "v_max": Variable(("run", "series_time"), "m s-1", "maximum speed, however thin the flow"),
+    "v_flow": Variable(("run", "series_time"), "m s-1", "maximum speed where the compacted thickness exceeds h_front"),
+    "volume_change": Variable(("run", "series_time"), "1", "relative change of the volume that h_front marks"),
+    "mass": Variable(("run", "series_time"), "m2", "volume of solid per unit width"),
+    "energy": Variable(("run", "series_time"), "m4 s-2", "energy (2.7) per unit width and grain density"),
+    "outflow": Variable(("run", "series_time"), "1", "share of the solid that has left through the ends"),
 }
 
 PER_RUN = {
     "status": Variable(("run",), "1", "how the run ended"),
     "steps": Variable(("run",), "1", "time steps taken"),
-    "stop_time": Variable(("run",), "s", "first sample after which v_flow stays below rest_speed"),
     "end_time": Variable(("run",), "s", "time reached"),
     "failure": Variable(("run",), "1", "where and how the run diverged"),
+    "run_out": Variable(("run",), "m", "way of the front from the first sample to the last"),
+    "h_max_final": Variable(("run",), "m", "maximum thickness at the last sample"),
+    "dilation_max": Variable(("run",), "1", "largest volume_change"),
+    "stop_time": Variable(("run",), "s", "first sample after which v_flow stays below rest_speed"),
 }
 
-PARAMETERS = "params"
-"""Group of the file that holds the keys in which the runs differ."""
+
+def is_key(name: str) -> bool:
+    """Whether a variable is a key of the run file in which the runs differ: a coordinate of `run`."""
+    return "." in name

@@ -47,7 +47,7 @@ MU = 0.48 + 0.25 * INERTIAL / (INERTIAL + 0.279) + TAN_PSI + 0.18 * 0.1 / 0.2
 
 def result(h: Any = 0.1, v: Any = 2.0, phi: Any = 0.62, runs: int = 1) -> xr.Dataset:
     """One snapshot of one cell, the same in every run."""
-    dims, shape = ("run", "time", "cell"), (runs, 1, 1)
+    dims, shape = ("run", "time", "x"), (runs, 1, 1)
     fields = {name: (dims, np.full(shape, value)) for name, value in (("h", h), ("v", v), ("phi", phi))}
     return xr.Dataset(fields, attrs={"case_toml": CASE})
 
@@ -103,7 +103,7 @@ def test_each_run_has_its_own_parameters() -> None:
     tan_psi = np.array([0.0, 1.0, 4.0, 4.0]) * (0.62 - np.array(expected))
     np.testing.assert_allclose(fields["psi"].values[:, 0, 0], np.degrees(np.arctan(tan_psi)), rtol=1e-5, atol=1e-12)
     one = derive(data.isel(run=1), "phi_eq")
-    assert one["phi_eq"].dims == ("time", "cell")
+    assert one["phi_eq"].dims == ("time", "x")
     assert one["phi_eq"].item() == fields["phi_eq"].values[1, 0, 0]
 
 
@@ -187,7 +187,7 @@ def test_fields_say_what_they_are() -> None:
     assert list(fields) == ["gamma", "I", "phi_eq", "psi", "mu"]
     assert [fields[name].attrs["units"] for name in fields] == ["s-1", "1", "1", "degree", "1"]
     for field in fields.values():
-        assert field.dims == ("run", "time", "cell")
+        assert field.dims == ("run", "time", "x")
         assert "(2." in field.attrs["long_name"]
 
 

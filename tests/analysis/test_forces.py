@@ -38,13 +38,13 @@ def wedge(v0: float, v1: float) -> xr.Dataset:
     x = np.linspace(0.05, 0.95, 10)
     h = np.tile(0.1 * (1 - x), (1, 2, 1))
     v = np.stack([np.full(10, v0), np.full(10, v1)])[None]
-    dims = ("run", "time", "cell")
-    fields = {"h": (dims, h), "v": (dims, v), "phi": (dims, np.full_like(h, 0.5)), "bed": ("cell", 0.2 * x)}
-    return xr.Dataset(fields, {"x": ("cell", x), "time": [0.0, 0.01]}, {"case_toml": CASE})
+    dims = ("run", "time", "x")
+    fields = {"h": (dims, h), "v": (dims, v), "phi": (dims, np.full_like(h, 0.5)), "bed": ("x", 0.2 * x)}
+    return xr.Dataset(fields, {"x": ("x", x), "time": [0.0, 0.01]}, {"case_toml": CASE})
 
 
 def test_values_by_hand() -> None:
-    found = wg.forces(wedge(1.0, 1.1)).isel(run=0, time=0, cell=5)  # x = 0.55, h = 0.045
+    found = wg.forces(wedge(1.0, 1.1)).isel(run=0, time=0, x=5)  # x = 0.55, h = 0.045
     solid = 0.5 * 0.045
     assert float(found["f_acc"]) == pytest.approx(solid * 0.1 / 0.01)
     assert float(found["f_inert"]) == pytest.approx(-0.5 * 0.1 * 1.0**2)
@@ -54,13 +54,13 @@ def test_values_by_hand() -> None:
 
 
 def test_friction_turns_with_the_velocity_and_holds_what_is_at_rest() -> None:
-    back = wg.forces(wedge(-1.0, -1.0)).isel(run=0, time=0, cell=5)
+    back = wg.forces(wedge(-1.0, -1.0)).isel(run=0, time=0, x=5)
     assert float(back["f_fric"]) == pytest.approx(0.4 * G_C * 0.5 * 0.045)
-    still = wg.forces(wedge(0.0, 0.0)).isel(run=0, time=0, cell=5)  # tan 30 - 0.2 + 0.1 = 0.477 is more than mu = 0.4
+    still = wg.forces(wedge(0.0, 0.0)).isel(run=0, time=0, x=5)  # tan 30 - 0.2 + 0.1 = 0.477 is more than mu = 0.4
     assert float(still["f_fric"]) == pytest.approx(-0.4 * G_C * 0.5 * 0.045)
     gentle = wedge(0.0, 0.0)
     gentle["bed"] = 0.4 * gentle["x"]  # 0.277
-    held = wg.forces(gentle).isel(run=0, time=0, cell=5)
+    held = wg.forces(gentle).isel(run=0, time=0, x=5)
     assert float(held["f_fric"]) == pytest.approx(-float(held["f_press"] + held["f_grav"]))
 
 
@@ -78,10 +78,10 @@ def test_they_balance_in_a_computed_run() -> None:
 def test_runs_have_their_own_slope_and_names() -> None:
     data = wedge(1.0, 1.0).isel(run=[0, 0]).assign_coords({"slope.angle": ("run", [30.0, 0.0])})
     found = wg.forces(data)
-    assert found["f_grav"].dims == ("run", "time", "cell")
+    assert found["f_grav"].dims == ("run", "time", "x")
     assert float(found["f_grav"][1, 0, 5]) == pytest.approx(-10.0 * 0.5 * 0.045 * 0.2)
     assert all(found[name].attrs["units"] == "m2 s-2" for name in found)
-    assert found["f_press"].isel(cell=[0, -1]).isnull().all()
+    assert found["f_press"].isel(x=[0, -1]).isnull().all()
 
 
 def test_one_snapshot_is_too_few() -> None:

@@ -260,6 +260,6 @@ def test_an_interrupted_run_keeps_what_it_had(folder: Path) -> None:
     data = wg.open_dataset("long.h5")
     assert int(data["status"][0]) == Status.INTERRUPTED
     reached = float(data["end_time"][0])
-    stored = data["time"][data["h"][0].notnull().all("cell")]
+    stored = data["time"][data["h"][0].notnull().all("x")]
     assert 10.0 < reached < 100_000.0
     assert reached - 2.0 < float(stored[-1]) <= reached

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from warpgran.analysis.run_values import run_values
+
 CASE = """
 title = "Dense column, 22 degrees"
 [rheology]
@@ -72,32 +74,35 @@ def collapse(cells: int = 240, snapshots: int = 4, samples: int = 100, runs: int
         "outflow": np.zeros(samples),
     }
     variables: dict[str, Any] = {
-        "x": ("cell", x),
-        "bed": ("cell", np.zeros(cells)),
-        "time": ("time", time),
-        "series_time": ("sample", series_time),
+        "bed": ("x", np.zeros(cells)),
         "status": ("run", np.full(runs, "ok", dtype=object)),
         "steps": ("run", np.full(runs, 1000)),
-        "stop_time": ("run", np.full(runs, 0.6)),
         "end_time": ("run", np.full(runs, 0.9)),
     }
-    variables |= {k: (("run", "time", "cell"), np.stack([f] * runs)) for k, f in {"h": h, "v": v, "phi": phi}.items()}
-    variables |= {k: (("run", "sample"), np.stack([f] * runs)) for k, f in series.items()}
-    return xr.Dataset(variables, {"run": np.arange(runs)}, {"case_toml": CASE})
+    coordinates = {"run": np.arange(runs), "time": time, "series_time": series_time, "x": x}
+    variables |= {k: (("run", "time", "x"), np.stack([f] * runs)) for k, f in {"h": h, "v": v, "phi": phi}.items()}
+    variables |= {k: (("run", "series_time"), np.stack([f] * runs)) for k, f in series.items()}
+    return with_values(xr.Dataset(variables, coordinates, {"case_toml": CASE}))
+
+
+def with_values(data: xr.Dataset) -> xr.Dataset:
+    """The result with the values of each run that follow from its series."""
+    series = {name: data[name].values for name in ("front", "h_max", "volume_change", "v_flow")}
+    values = run_values(data["series_time"].values, series, np.full(data.sizes["run"], 1e-3))
+    return data.assign({name: ("run", value) for name, value in values.items()})
 
 
 def two_runs() -> xr.Dataset:
     """Two runs at 0 and -12.5 degrees on a bump; the second diverged at two thirds."""
     data = collapse(snapshots=12, runs=2)
     data = data.assign_coords({"slope.angle": ("run", [0.0, -12.5]), "column.length": ("run", [0.2, 0.25])})
-    data["bed"] = "cell", 0.05 * np.exp(-(((data["x"].values - 0.3) / 0.1) ** 2))
+    data["bed"] = "x", 0.05 * np.exp(-(((data["x"].values - 0.3) / 0.1) ** 2))
     for name in ("h", "v", "phi"):
         data[name][1, 8:] = np.nan
     for name in ("front", "front_speed", "h_max", "v_max", "v_flow", "volume_change"):
         data[name][1, 66:] = np.nan
     data["status"] = "run", np.array([0, 1]), {"flag_values": np.array([0, 1]), "flag_meanings": "ok diverged"}
-    data["stop_time"][1] = np.nan
-    return data
+    return with_values(data)
 
 
 def batch(samples: int = 100, diverged: tuple[int, ...] = (), **values: Any) -> xr.Dataset:
@@ -115,9 +120,9 @@ def batch(samples: int = 100, diverged: tuple[int, ...] = (), **values: Any) -> 
     for run in diverged:
         for name in ("front", "h_max", "volume_change"):
             data[name][run, 50:] = np.nan
+        data["v_flow"][run, 50:] = np.nan
         data["status"][run] = "diverged"
-        data["stop_time"][run] = np.nan
-    return data
+    return with_values(data)
 
 
 def by_hand() -> xr.Dataset:
@@ -126,16 +131,16 @@ def by_hand() -> xr.Dataset:
         "front": [[0.0, 0.2, 0.5, 0.4], [0.1, 0.3, np.nan, np.nan], [np.nan] * 4],
         "h_max": [[0.14, 0.12, 0.1, 0.09], [0.14, 0.2, np.inf, np.nan], [np.nan] * 4],
         "volume_change": [[0.0, 0.05, 0.04, -0.01], [0.0, -0.1, np.inf, np.nan], [np.nan] * 4],
+        "v_flow": [[0.0, 0.5, 1e-4, 1e-5], [0.0, 0.5, np.inf, np.nan], [np.nan] * 4],
         "outflow": [[0.0] * 4, [0.0, 0.2, np.inf, np.nan], [np.nan] * 4],
     }
-    variables: dict[str, Any] = {name: (("run", "sample"), np.array(values)) for name, values in series.items()}
+    variables: dict[str, Any] = {name: (("run", "series_time"), np.array(values)) for name, values in series.items()}
     flags = {"flag_values": np.array([0, 1, 3]), "flag_meanings": "ok diverged interrupted"}
     variables |= {
         "status": ("run", np.array([0, 1, 3]), flags),
         "steps": ("run", np.array([900, 70, 0])),
         "end_time": ("run", np.array([0.3, 0.14, 0.0])),
-        "stop_time": ("run", np.array([0.2, np.nan, np.nan])),
     }
     coordinates = {"slope.angle": ("run", [0.0, 10.0, 22.0]), "rheology.phi_eq": ("run", np.array(["f0", "f1", "f2"]))}
-    times = "sample", [0.0, 0.1, 0.2, 0.3]
-    return xr.Dataset(variables, {"run": [4, 5, 6], "series_time": times, **coordinates})
+    times = {"series_time": [0.0, 0.1, 0.2, 0.3]}
+    return with_values(xr.Dataset(variables, {"run": [4, 5, 6], **times, **coordinates}))

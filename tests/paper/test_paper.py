@@ -54,8 +54,8 @@ X = np.linspace(-0.1995, 1.5995, 1800)
 def series(**values: Any) -> xr.Dataset:
     """One run with series at T; what is not given is 0."""
     names = ("front", "front_speed", "h_max", "v_flow", "volume_change")
-    data = {name: ("sample", np.broadcast_to(values.get(name, 0.0), T.shape)) for name in names}
-    one = xr.Dataset(data, {"series_time": ("sample", T)}, {"case_toml": Case().to_toml()})
+    data = {name: ("series_time", np.broadcast_to(values.get(name, 0.0), T.shape)) for name in names}
+    one = xr.Dataset(data, {"series_time": ("series_time", T)}, {"case_toml": Case().to_toml()})
     one["stop_time"] = values.get("stop_time", np.nan)
     return one
 
@@ -64,8 +64,8 @@ def profile(h: Any, v: Any = 0.0, phi: Any = 0.6, times: tuple[float, ...] = (0.
     """One run with the same profile at some instants."""
     fields = {"h": h, "v": v, "phi": phi}
     shape = (len(times), X.size)
-    data = {name: (("time", "cell"), np.broadcast_to(values, shape)) for name, values in fields.items()}
-    return xr.Dataset(data, {"x": ("cell", X), "time": list(times)}, {"case_toml": Case().to_toml()})
+    data = {name: (("time", "x"), np.broadcast_to(values, shape)) for name, values in fields.items()}
+    return xr.Dataset(data, {"x": ("x", X), "time": list(times)}, {"case_toml": Case().to_toml()})
 
 
 class Made:
@@ -244,7 +244,7 @@ def test_settings_that_refine_another_name_it_before_them() -> None:
 
 def test_one_run_is_found_by_its_keys() -> None:
     data = xr.Dataset({"status": ("run", [0, 1]), "end_time": ("run", [1.0, 0.5])}, {"rheology.K": ("run", [0.0, 1.0])})
-    data = data.assign(x=("cell", [0.0, 1.0]))
+    data = data.assign(x=("x", [0.0, 1.0]))
     assert float(one_of(data, "a", {"K": 0.0})["end_time"]) == 1.0
     assert float(one_of(data, "a", {"K": 1.0})["end_time"]) == 0.5
     with pytest.raises(NotComputedError, match=r"a holds 0 runs with K = 2\.0"):

@@ -9,12 +9,11 @@ from helpers.cases import small
 import warpgran as wg
 from warpgran.case.study import Study
 from warpgran.results.layout import Layout
-from warpgran.results.series import stop_time
 from warpgran.schema import SERIES, Variable
 
 
 def test_a_series_without_a_source_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(SERIES, "h_mean", Variable(("run", "sample"), "m", "mean thickness"))
+    monkeypatch.setitem(SERIES, "h_mean", Variable(("run", "series_time"), "m", "mean thickness"))
     with pytest.raises(NotImplementedError, match="no engine samples the series h_mean"):
         Layout(Study.of([small()]))
 
@@ -27,18 +26,3 @@ def test_front_speed_and_volume_change_follow_from_what_is_sampled() -> None:
     assert np.isnan(wg.simulate(small(**{"time.series": [0.2]}))["front_speed"]).all()
     film = small(**{"scheme.h_front": 1.0, "time.series": [0.0, 0.2]})  # nothing is that thick
     assert np.isnan(wg.simulate(film)["volume_change"]).all()
-
-
-@pytest.mark.parametrize(
-    ("v_flow", "expected"),
-    [
-        ([0.0, 1.0, 0.5, 1e-4, 1e-5], 3.0),
-        ([0.0, 1.0, 1e-4, 0.5, 1e-5], 4.0),  # it moved again
-        ([0.0, 1.0, 0.5, 0.5, 0.5], np.nan),
-        ([0.0, 0.0, 0.0, 0.0, 0.0], np.nan),  # it never moved
-        ([0.0, 1.0, 1e-4, np.nan, np.nan], np.nan),  # it diverged
-    ],
-)
-def test_stop_time(v_flow: list[float], expected: float) -> None:
-    found = stop_time(np.arange(5.0), np.array(v_flow), 1e-3)
-    np.testing.assert_equal(found, expected)

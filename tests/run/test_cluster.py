@@ -34,7 +34,7 @@ pytestmark = pytest.mark.slow
 
 OVER = {"slope.angle": [0.0, 10.0, 20.0, 25.0], "column.phi": [0.55, 0.58, 0.60, 0.62]}
 RUNS = 16
-MEASURED = ("date", "wall_seconds", "kernel_seconds", "threads")
+MEASURED = ("date", "history", "wall_seconds", "kernel_seconds", "threads")
 """Attributes that depend on when and where a result was computed."""
 
 

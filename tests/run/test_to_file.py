@@ -42,7 +42,7 @@ def study(**changes: Any) -> Study:
 def done(path: Path) -> xr.Dataset:
     """A result without what depends on when and how fast it was computed."""
     data = wg.open_dataset(path).load()
-    for name in ("date", "wall_seconds", "kernel_seconds", "threads", "run_file", "cell_steps"):
+    for name in ("date", "history", "wall_seconds", "kernel_seconds", "threads", "run_file", "cell_steps"):
         data.attrs.pop(name)
     return data
 

@@ -80,7 +80,7 @@ def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
     """Fields that follow from h, v and phi.
 
     Args:
-        data: a result with h [m], v [m/s] and phi [-] over (run, time, cell), and case_toml; what selections
+        data: a result with h [m], v [m/s] and phi [-] over (run, time, x), and case_toml; what selections
             leave of one (a run, an instant, some cells) will do, and several joined along run.
         names: any of gamma [1/s], I [-], phi_eq [-], psi [degrees] and mu [-]; all of them if none is given.
 

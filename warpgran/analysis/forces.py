@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from warpgran.analysis.fields import derive, normal_gravity, parameter
+from warpgran.analysis.selection import along
 from warpgran.errors import ResultError
 
 LONG_NAMES = {
@@ -38,7 +39,7 @@ def forces(data: xr.Dataset) -> xr.Dataset:
     what holds the mass against gravity and pressure, up to mu g_c phi h.
 
     Args:
-        data: a result with x, bed, h [m], v [m/s] and phi [-] over (run, time, cell), at least two snapshots and
+        data: a result with x, bed, h [m], v [m/s] and phi [-] over (run, time, x), at least two snapshots and
             case_toml; one run of it will do, and several joined along run.
 
     Returns:
@@ -71,4 +72,5 @@ def forces(data: xr.Dataset) -> xr.Dataset:
 
 def _along(q: xr.DataArray, x: xr.DataArray) -> xr.DataArray:
     """d_x by central differences; NaN in the first and the last cell."""
-    return (q.shift(cell=-1) - q.shift(cell=1)) / (x.shift(cell=-1) - x.shift(cell=1))
+    before, after = {along(q): 1}, {along(q): -1}
+    return (q.shift(after) - q.shift(before)) / (x.shift(after) - x.shift(before))

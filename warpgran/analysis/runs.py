@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from warpgran.schema import is_key
+
 
 def swept(data: xr.Dataset) -> list[str]:
     """The dotted keys in which the runs differ: coordinates of `run`."""
-    return [str(name) for name in data.coords if "." in str(name) and data[name].dims == ("run",)]
+    return [str(name) for name in data.coords if is_key(str(name)) and data[name].dims == ("run",)]
 
 
 def status_words(data: xr.Dataset) -> np.ndarray:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
 from warpgran.analysis.caveats import caveats
+from warpgran.analysis.run_values import last
 from warpgran.analysis.runs import status_words, swept
-from warpgran.arrays import Array
 from warpgran.errors import ResultError
 from warpgran.files import replacing
 
@@ -43,19 +42,18 @@ def summary(data: xr.Dataset) -> pd.DataFrame:
     """
     if "run" not in data.dims:
         raise ResultError("a summary needs the dimension `run`: select one run with data.isel(run=[0])")
-    front, change = _finite(data, "front"), _finite(data, "volume_change")
-    start = front[:, 0] if front.shape[1] else np.nan
+    front, change = (last(data[name].transpose("run", "series_time").values) for name in ("front", "volume_change"))
     columns = {
         "run": data["run"].values,
         **{key: data[key].values for key in swept(data)},
         "status": status_words(data),
         "end_time": data["end_time"].values,
         "steps": data["steps"].values,
-        "run_out": _last(front) - start,
-        "front": _last(front),
-        "h_max": _last(_finite(data, "h_max")),
-        "dilation_max": np.fmax.reduce(change, axis=1, initial=np.nan),
-        "volume_change": _last(change),
+        "run_out": data["run_out"].values,
+        "front": front,
+        "h_max": data["h_max_final"].values,
+        "dilation_max": data["dilation_max"].values,
+        "volume_change": change,
         "stop_time": data["stop_time"].values,
         **caveats(data),
     }
@@ -75,16 +73,3 @@ def write_csv(frame: pd.DataFrame, path: str | Path) -> Path:
     with replacing(path) as part:
         frame.to_csv(part, index=False, lineterminator="\n", encoding="utf-8")
     return path
-
-
-def _finite(data: xr.Dataset, name: str) -> Array:
-    """A series (run, sample) with NaN for all that is not finite."""
-    values = data[name].transpose("run", "sample").values
-    return np.where(np.isfinite(values), values, np.nan)
-
-
-def _last(values: Array) -> Array:
-    """The last value of each row that is not NaN; NaN if there is none."""
-    values = np.pad(values, ((0, 0), (1, 0)), constant_values=np.nan)
-    last = np.where(np.isnan(values), 0, np.arange(values.shape[1])).max(axis=1)
-    return np.asarray(values[np.arange(values.shape[0]), last])

@@ -66,7 +66,7 @@ class Scene:
     def __init__(self, one: xr.Dataset, dpi: float) -> None:
         """Draw what does not move. one: one run with its snapshots; dpi: pixels an inch."""
         self.theta = np.deg2rad(number(one, "slope.angle"))
-        self.one = one.isel(cell=wet_range(one))
+        self.one = one.isel(x=wet_range(one))
         self.edges, self.bed = _edges(self.one["x"].values), _at_edges(self.one["bed"].values)
         self.thick = thick(self.one).values
         self.figure, self.ax = self._canvas(dpi)

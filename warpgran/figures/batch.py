@@ -137,7 +137,7 @@ def _batch(data: xr.Dataset) -> Batch:
     ranked = sorted(keys, key=lambda key: -abs(correlation[key.name]))
     drawn = keys if len(keys) <= MAX_KEYS else ranked[:MAX_KEYS]
     drawn = drawn if any(key.numeric for key in drawn) else []
-    front = data["front"].transpose("run", "sample").values
+    front = data["front"].transpose("run", "series_time").values
     return Batch(
         frame=frame,
         front=front,

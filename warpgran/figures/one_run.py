@@ -104,7 +104,7 @@ def _shown_instants(one: xr.Dataset) -> xr.Dataset:
     """The snapshots that are drawn, and the cells that the mass covers."""
     held = one.sizes["time"]
     instants = np.unique(np.linspace(0, held - 1, min(held, MAX_INSTANTS)).round().astype(int))
-    return one.isel(cell=wet_range(one), time=instants)
+    return one.isel(x=wet_range(one), time=instants)
 
 
 def _tints(instants: int) -> Array:

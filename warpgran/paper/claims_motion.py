@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from warpgran.analysis.fields import number
+from warpgran.analysis.run_values import stop_time
 from warpgran.paper.claim import Finding, at_angles, by_packing, claim
 from warpgran.paper.measures import (
     GRAIN_TENTH,
@@ -20,7 +21,6 @@ from warpgran.paper.measures import (
     solid_share,
 )
 from warpgran.paper.results import ANGLES, THREE, TWO, Results, at, collapse
-from warpgran.results.series import stop_time
 
 
 @claim("4.3.1, Figs. 5, 6", "fig05 fig06")

@@ -41,7 +41,7 @@ def fig02(r: Results, lab: Laboratory) -> Figure:
     figure, axes = sheet(2, 2)
     shot = at(r.run("regularization", angle=22, phi_eq="f2", phi_eq_N=1.0), 1.38)
     end = front_of(shot)
-    shot = shot.isel(cell=np.flatnonzero((shot["x"].values > end - 0.04) & (shot["x"].values < end)))
+    shot = shot.isel(x=np.flatnonzero((shot["x"].values > end - 0.04) & (shot["x"].values < end)))
     I, stat, slope = derive(shot, "I")["I"].values, number(shot, "rheology.phi_stat"), number(shot, "rheology.K_tilde")
     axes[0, 0].plot(shot["x"], stat - slope * I, "o", color="black", markersize=2, label="(2.9)")
     for name, (law, N) in FORMS.items():

@@ -10,13 +10,14 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
+from warpgran.analysis.selection import one_run
 from warpgran.case.read_study import read_study
 from warpgran.case.study import Study
 from warpgran.paper.settings import Setting
 from warpgran.results.reading import open_dataset
 from warpgran.run.options import Options
 from warpgran.run.to_file import bring_up_to_date
-from warpgran.schema import Status
+from warpgran.schema import Status, is_key
 
 LOOSE, DENSE = 0.55, 0.62  # initial volume fractions
 K_PAPER = 4.09
@@ -117,12 +118,11 @@ def one_of(data: xr.Dataset, name: str, where: Mapping[str, float | str]) -> xr.
     """
     chosen = np.ones(data.sizes["run"], dtype=bool)
     for key, value in where.items():
-        (column,) = [data[c].values for c in data.coords if str(c).rpartition(".")[2] == key and "." in str(c)]
+        (column,) = [data[c].values for c in data.coords if is_key(str(c)) and str(c).rpartition(".")[2] == key]
         chosen &= column == value
     if chosen.sum() != 1:
         raise NotComputedError(f"{name} holds {chosen.sum()} runs with {_words(where)}")
-    one = data.isel(run=int(np.flatnonzero(chosen)[0]))
-    return one.isel(cell=np.flatnonzero(np.isfinite(one["x"].values)))
+    return one_run(data, int(np.flatnonzero(chosen)[0]))
 
 
 def _words(where: Mapping[str, float | str]) -> str:

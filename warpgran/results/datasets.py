@@ -1,44 +1,56 @@
 """Datasets of a result file, in the part file and the finished one alike: HDF5 with dimension scales.
 
-So h5py, xarray, netCDF4 and MATLAB read them.
+So h5py, xarray, netCDF4 and MATLAB read them. All stand in the root of the file.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+
 import h5py
 
+from warpgran.arrays import Array
 from warpgran.results.layout import Layout
-from warpgran.schema import PARAMETERS, SERIES, Status, Variable
+from warpgran.schema import Status, Variable
 
 STATUS_TYPE = h5py.enum_dtype({s.word: int(s) for s in Status}, basetype="i1")
 
+OF_SCALES = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST")
+"""Attributes by which HDF5 attaches dimension scales."""
+
 
 def write_shared(file: h5py.File, layout: Layout) -> None:
-    """Dimensions, times, x and bed if there is one grid, and the keys in which the runs differ."""
-    for name, values in layout.sizes().items():
-        file.create_dataset(name, data=values).make_scale(name)
-    shared = layout.shared()
-    for name in sorted(shared, key=lambda name: name != "time"):
-        schema, times = shared[name]
-        data = file.create_dataset(name, data=times)
-        if name == "time":
-            data.make_scale(name)
-        describe(file, name, data, schema)
-    group = file.create_group(PARAMETERS)
-    for key, column in layout.parameters().items():
-        group.create_dataset(key, data=column).dims[0].attach_scale(file["run"])
+    """Dimensions, the bed if there is one grid, and the keys in which the runs differ."""
+    write_dimensions(file, layout.dimensions())
+    for name, (schema, values) in layout.shared().items():
+        describe(file.create_dataset(name, data=values), schema)
+    for key, (schema, column) in layout.parameters().items():
+        describe(file.create_dataset(key, data=column), schema)
 
 
-def describe(file: h5py.File, name: str, data: h5py.Dataset, schema: Variable) -> None:
-    """Attach units, long name and dimension scales to a dataset."""
-    data.attrs.update(units=schema.units, long_name=schema.long_name)
+def write_dimensions(file: h5py.File, dimensions: Mapping[str, tuple[Variable, Array]]) -> None:
+    """Write a dimension scale with its values for each dimension."""
+    for name, (schema, values) in dimensions.items():
+        data = file.create_dataset(name, data=values)
+        data.make_scale(name)
+        data.attrs.update(schema.attributes)
+
+
+def describe(data: h5py.Dataset, schema: Variable, coordinates: Iterable[str] = ()) -> None:
+    """Attach units, names and dimension scales to a dataset that is no scale, and name its other coordinates."""
+    data.attrs.update(schema.attributes)
     for axis, dim in zip(data.dims, schema.dims, strict=True):
-        if dim != name:
-            axis.attach_scale(file[dim])
-    if "cell" in schema.dims and name != "x":
-        data.attrs["coordinates"] = "x"
+        axis.attach_scale(data.file[dim])
+    if named := " ".join(coordinates):
+        data.attrs["coordinates"] = named
 
 
-def location(name: str) -> str:
-    """Where a variable is in the file."""
-    return f"series/{name}" if name in SERIES else name
+def describe_as(data: h5py.Dataset, other: h5py.Dataset) -> None:
+    """Describe a dataset as one of that name in another file; a dimension scale becomes one, others have theirs."""
+    name = other.name.removeprefix("/")
+    if other.is_scale:
+        data.make_scale(name)
+    else:
+        for axis, scales in zip(data.dims, other.dims, strict=True):
+            axis.attach_scale(data.file[scales[0].name])
+    data.attrs.update({name: value for name, value in other.attrs.items() if name not in OF_SCALES})

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from warpgran.arrays import Array
-from warpgran.results.datasets import STATUS_TYPE, describe, location, write_shared
+from warpgran.results.datasets import STATUS_TYPE, describe, write_shared
 from warpgran.results.layout import Layout, status_attributes
 from warpgran.schema import Status
 
@@ -29,15 +29,15 @@ def write_compressed(source: h5py.File, target: h5py.File, layout: Layout, statu
         elif column.shape and np.prod(shape) > 0:
             # A series is read by run as it is; it would shrink by a fifth and take as much time as all profiles.
             packing = _packing(column.shape) if len(column.shape) > 1 else {}
-            data = target.create_dataset(location(name), shape, column.dtype, **packing)
-            _copy_runs(source[location(name)], data, done)
+            data = target.create_dataset(name, shape, column.dtype, **packing)
+            _copy_runs(source[name], data, done)
         else:
-            values = source[location(name)][:]
+            values = source[name][:]
             if column.dtype.kind == "f":
                 values = np.where(done.reshape(-1, *[1] * len(column.shape)), values, np.nan)
             dtype = STATUS_TYPE if name == "status" else column.dtype
-            data = target.create_dataset(location(name), data=values, dtype=dtype)
-        describe(target, name, data, column.schema)
+            data = target.create_dataset(name, data=values, dtype=dtype)
+        describe(data, column.schema, layout.coordinates(name))
     target["status"].attrs.update(status_attributes())
 
 

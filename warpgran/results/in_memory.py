@@ -38,18 +38,17 @@ class MemoryResults:
         """The results with units and names; the keys in which runs differ are coordinates of `run`."""
         import xarray as xr
 
-        columns = self.layout.columns
-        both = {name: (columns[name].schema, values) for name, values in self.arrays.items()} | self.layout.shared()
+        layout = self.layout
+        of_runs = {name: (layout.columns[name].schema, values) for name, values in self.arrays.items()}
+        everything = of_runs | layout.shared() | layout.dimensions() | layout.parameters()
         variables: dict[str, Any] = {
-            name: xr.Variable(schema.dims, value, {"units": schema.units, "long_name": schema.long_name})
-            for name, (schema, value) in both.items()
+            name: xr.Variable(schema.dims, value, schema.attributes) for name, (schema, value) in everything.items()
         }
         variables["failure"] = variables["failure"].astype(str)
         variables["status"].attrs |= status_attributes()
-        coordinates: dict[str, Any] = {name: variables.pop(name) for name in ("x", "time", "series_time")}
-        coordinates |= self.layout.sizes()
-        coordinates |= {key: ("run", values) for key, values in self.layout.parameters().items()}
-        facts = self.layout.attributes(**attributes)
+        named = ["x", *layout.dimensions(), *layout.parameters()]
+        coordinates: dict[str, Any] = {name: variables.pop(name) for name in dict.fromkeys(named)}
+        facts = layout.attributes(**attributes)
         coordinates["case_toml"] = "run", np.full(self.layout.runs.size, facts["case_toml"], dtype=object)
         return xr.Dataset(variables, coordinates, facts)
 

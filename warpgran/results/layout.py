@@ -10,18 +10,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from warpgran.analysis.run_values import run_values
 from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.case.identity import identity
 from warpgran.case.problems import CaseError, Problem
+from warpgran.case.sections import KEYS
 from warpgran.case.study import Study
-from warpgran.results.series import Samples, check_sources, series, stop_time
-from warpgran.schema import COORDINATES, FIELDS, PER_RUN, SCHEMA_VERSION, SERIES, Status, Variable
+from warpgran.results.series import Samples, check_sources, series
+from warpgran.schema import COORDINATES, FIELDS, GRID, PER_RUN, SCHEMA_VERSION, SERIES, Status, Variable
 from warpgran.solve.finished import SCALARS, Finished
 from warpgran.solve.schedule import Outputs
 
 FAILURE = np.dtype("S200")
 """Text that says how a run diverged."""
+UNITS = {"": "1", "degrees": "degree", "m/s": "m s-1", "m/s2": "m s-2"}
+"""Units of the run file that the CF conventions write in another way."""
 
 
 class ResultColumn(NamedTuple):
@@ -41,6 +45,7 @@ class Layout:
         outputs: The output times that they share.
         cells: Number of cells of the largest grid.
         one_grid: Whether all runs have the same cells and bed.
+        keys: The keys in which the runs differ.
         columns: The variables with a first dimension of runs, by name.
     """
 
@@ -64,20 +69,21 @@ class Layout:
         elif any(key.startswith("grid.") for key in study.keys):
             self.one_grid = False
             self.cells = max(study.values("grid.cells")) if "grid.cells" in study.keys else self.cells
+        self.keys = tuple(study.parameters())
         self.columns = self._columns()
 
     def _columns(self) -> dict[str, ResultColumn]:
         real = np.dtype(np.float64)
-        fields = {name: ResultColumn(v, (self.outputs.snapshots, self.cells), real) for name, v in FIELDS.items()}
+        profile = self.outputs.snapshots, self.cells
+        fields = {name: ResultColumn(self._along(v), profile, real) for name, v in FIELDS.items()}
         series = {name: ResultColumn(v, (self.outputs.samples,), real) for name, v in SERIES.items()}
         types: dict[str, np.dtype[Any]] = {"status": np.dtype(np.int8), "steps": np.dtype(np.int64), "failure": FAILURE}
         single = {name: ResultColumn(v, (), types.get(name, real)) for name, v in PER_RUN.items()}
-        grid = {} if self.one_grid else {name: ResultColumn(v, (self.cells,), real) for name, v in self._grid().items()}
+        grid = {} if self.one_grid else {name: ResultColumn(v.padded, (self.cells,), real) for name, v in GRID.items()}
         return {**fields, **series, **single, **grid}
 
-    def _grid(self) -> dict[str, Variable]:
-        dims = ("cell",) if self.one_grid else ("run", "cell")
-        return {name: COORDINATES[name]._replace(dims=dims) for name in ("x", "bed")}
+    def _along(self, variable: Variable) -> Variable:
+        return variable if self.one_grid else variable.padded
 
     def rows(self, cases: Sequence[Case], finished: Finished) -> dict[str, Array]:
         """The columns of runs that have ended, every array with a first dimension of runs."""
@@ -88,43 +94,50 @@ class Layout:
         t = self.outputs.times[self.outputs.sample_at >= 0]
         samples = Samples(cases, t, dict(zip(SCALARS, np.moveaxis(finished.scalars, 2, 0), strict=True)))
         rows |= series(samples)
-        speeds = zip(samples.scalars["v_flow"], cases, strict=True)
-        rows["stop_time"] = np.array([stop_time(t, v_flow, case.rest_speed) for v_flow, case in speeds])
+        rows |= run_values(t, rows, np.array([case.rest_speed for case in cases]))
         rows |= {"status": finished.status, "steps": finished.steps, "end_time": finished.end_time}
         words = [str(finished.failures[r]) if r in finished.failures else "" for r in range(len(cases))]
         rows["failure"] = np.array([word.encode() for word in words], dtype=FAILURE)
         if not self.one_grid:
-            for name in ("x", "bed"):
+            for name in GRID:
                 rows[name] = np.full((len(cases), self.cells), np.nan)
                 for row, case in zip(rows[name], cases, strict=True):
                     row[: case.grid.cells] = getattr(case, name)
         return rows
 
-    def shared(self) -> dict[str, tuple[Variable, Array]]:
-        """The variables without a dimension of runs: the times, and x and bed if there is one grid."""
+    def dimensions(self) -> dict[str, tuple[Variable, Array]]:
+        """The dimensions, each with its values."""
         times = self.outputs.times
-        shared = {
-            "time": (COORDINATES["time"], times[self.outputs.snapshot_at >= 0]),
-            "series_time": (COORDINATES["series_time"], times[self.outputs.sample_at >= 0]),
+        values = {
+            "run": self.runs,
+            "time": times[self.outputs.snapshot_at >= 0],
+            "series_time": times[self.outputs.sample_at >= 0],
+            **({"x": self.study.base.x} if self.one_grid else {"cell": np.arange(self.cells)}),
         }
-        if self.one_grid:
-            shared |= {name: (v, getattr(self.study.base, name)) for name, v in self._grid().items()}
-        return shared
+        return {name: (COORDINATES[name], each) for name, each in values.items()}
 
-    def parameters(self) -> dict[str, list[Any]]:
+    def shared(self) -> dict[str, tuple[Variable, Array]]:
+        """The variables that all runs share: the bed if there is one grid."""
+        return {"bed": (GRID["bed"], self.study.base.bed)} if self.one_grid else {}
+
+    def parameters(self) -> dict[str, tuple[Variable, Array]]:
         """The keys in which the runs differ, each with its value in every run."""
         runs = self.runs.tolist()
-        return {key: [values[r] for r in runs] for key, values in self.study.parameters().items()}
+        return {key: (_key(key), _column([values[r] for r in runs])) for key, values in self.study.parameters().items()}
 
-    def sizes(self) -> dict[str, Array]:
-        """The coordinates that number the runs, samples and cells."""
-        return {"run": self.runs, "sample": np.arange(self.outputs.samples), "cell": np.arange(self.cells)}
+    def coordinates(self, name: str) -> list[str]:
+        """The coordinates of a column of the runs that are no dimensions, as its attribute of the CF conventions."""
+        along = [] if self.one_grid or name == "x" or "cell" not in self.columns[name].schema.dims else ["x"]
+        return [*along, *self.keys]
 
     def attributes(self, **more: Any) -> dict[str, Any]:
         """Attributes of the whole result."""
-        base = self.study.base
+        base, date = self.study.base, now()
         return {
+            "Conventions": "CF-1.11",
             "title": base.title,
+            "source": f"warpgran {version('warpgran')}",
+            "history": f"{date} computed by warpgran {version('warpgran')}",
             "schema_version": SCHEMA_VERSION,
             "run_file": self.study.source,
             "case_toml": base.to_toml(),
@@ -134,9 +147,14 @@ class Layout:
             "warp_version": version("warp-lang"),
             "numpy_version": version("numpy"),
             "python_version": platform.python_version(),
-            "date": datetime.now(UTC).isoformat(timespec="seconds"),
+            "date": date,
             **more,
         }
+
+
+def now() -> str:
+    """The date and time, UTC."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
 
 
 def status_attributes() -> dict[str, Any]:
@@ -145,6 +163,16 @@ def status_attributes() -> dict[str, Any]:
         "flag_values": np.array([int(s) for s in Status], dtype=np.int8),
         "flag_meanings": " ".join(s.word for s in Status),
     }
+
+
+def _key(key: str) -> Variable:
+    """The variable of a key of the run file."""
+    unit = KEYS[key].unit
+    return Variable(("run",), UNITS.get(unit, unit), KEYS[key].name)
+
+
+def _column(values: list[Any]) -> Array:
+    return np.array(values, dtype=object if isinstance(values[0], str) else None)
 
 
 def _check_times(cases: Sequence[Case]) -> None:

@@ -10,7 +10,9 @@ import h5py
 import numpy as np
 
 from warpgran.files import StorageError, replacing
-from warpgran.schema import PARAMETERS
+from warpgran.results.datasets import describe_as
+from warpgran.results.layout import now
+from warpgran.results.reading import check_schema
 
 SAME = (
     "identity", "precision", "engine", "warpgran_version", "warp_version", "schema_version", "run_file", "sensitivity",
@@ -51,9 +53,11 @@ def _opened(path: Path) -> h5py.File:
         file = h5py.File(path, "r")
     except OSError as error:
         raise StorageError(f"cannot read {path}: {error}") from None
-    if "schema_version" not in file.attrs:
+    try:
+        check_schema(path, file.attrs)
+    except StorageError:
         file.close()
-        raise StorageError(f"cannot read {path}: it is not a warpgran result")
+        raise
     return file
 
 
@@ -63,28 +67,17 @@ def _join(files: Sequence[h5py.File], target: h5py.File, order: np.ndarray) -> N
     target.attrs.update(first.attrs)
     for name in ("cell_steps", "kernel_seconds", "wall_seconds"):
         target.attrs[name] = sum(file.attrs[name] for file in files)
-    names: list[str] = []
-    first.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
-    scales = {name: first[name] for name in names if first[name].is_scale}
-    for name in sorted(names, key=lambda name: name not in scales):
-        _join_one(name, files, target, order)
-        if name in scales:
-            target[name].make_scale(name)
-        for axis, source in zip(target[name].dims, first[name].dims, strict=True):
-            for label in [] if name in scales else [scale.name for scale in source.values()]:
-                axis.attach_scale(target[label])
-        hidden = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST")
-        target[name].attrs.update({k: v for k, v in first[name].attrs.items() if k not in hidden})
-    target.require_group(PARAMETERS)
+    target.attrs["history"] = f"{first.attrs['history']}\n{now()} merged from {len(files)} files by warpgran merge"
+    for name in sorted(first, key=lambda name: not first[name].is_scale):
+        describe_as(_joined(name, files, target, order), first[name])
 
 
-def _join_one(name: str, files: Sequence[h5py.File], target: h5py.File, order: np.ndarray) -> None:
-    """Copy a dataset of the first file, or of all files where it has a dimension of runs."""
+def _joined(name: str, files: Sequence[h5py.File], target: h5py.File, order: np.ndarray) -> h5py.Dataset:
+    """A copy of a dataset of the first file, or of those of all files where it has a dimension of runs."""
     source = files[0][name]
-    by_run = name == "run" or any(scale.name == "/run" for scale in (source.dims[0].values() if source.shape else ()))
+    by_run = name == "run" or (not source.is_scale and source.dims[0][0].name == "/run")
     if not by_run:
-        target.create_dataset(name, data=source[()])
-        return
+        return target.create_dataset(name, data=source[:])
     options = {key: getattr(source, key) for key in ("chunks", "compression", "compression_opts", "shuffle")}
     data = target.create_dataset(name, (order.size, *source.shape[1:]), source.dtype, **options)
     place = np.empty_like(order)
@@ -94,3 +87,4 @@ def _join_one(name: str, files: Sequence[h5py.File], target: h5py.File, order: n
         for row in range(file[name].shape[0]):
             data[place[at]] = file[name][row]
             at += 1
+    return data

@@ -20,7 +20,7 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.files import StorageError, check_writable, replacing
-from warpgran.results.datasets import STATUS_TYPE, describe, location, write_shared
+from warpgran.results.datasets import STATUS_TYPE, describe, write_shared
 from warpgran.results.final_file import write_compressed
 from warpgran.results.layout import Layout, status_attributes
 from warpgran.results.reading import pending, reading
@@ -67,7 +67,7 @@ class PartFile:
                 raise
         self._fd = os.open(path, os.O_RDWR)
         with reading(path) as file:
-            self._offset = {name: file[location(name)].id.get_offset() for name in layout.columns}
+            self._offset = {name: file[name].id.get_offset() for name in layout.columns}
             self.status: Array = file["status"][:]
 
     def __enter__(self) -> PartFile:
@@ -115,7 +115,7 @@ def copy_done(path: Path, part: PartFile) -> None:
     with _naming(part.path), reading(path) as file:
         status = file["status"][:]
         for place in np.flatnonzero(~pending(status)):
-            rows = {name: file[location(name)][place] for name in part.layout.columns}
+            rows = {name: file[name][place] for name in part.layout.columns}
             part.put([int(place)], {name: np.asarray(value)[None] for name, value in rows.items()})
 
 
@@ -142,7 +142,7 @@ def _create(path: Path, layout: Layout, attributes: Mapping[str, Any]) -> None:
         write_shared(file, layout)
         for name, column in layout.columns.items():
             shape, dtype = (layout.runs.size, *column.shape), STATUS_TYPE if name == "status" else column.dtype
-            describe(file, name, _reserved(file, location(name), shape, dtype), column.schema)
+            describe(_reserved(file, name, shape, dtype), column.schema, layout.coordinates(name))
         file["status"][:] = np.full(layout.runs.size, Status.PENDING, dtype=np.int8)
         file["status"].attrs.update(status_attributes())
 
@@ -153,10 +153,8 @@ def _reserved(file: h5py.File, name: str, shape: tuple[int, ...], dtype: Any) ->
     how.set_layout(h5py.h5d.CONTIGUOUS)
     how.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     how.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    link = h5py.h5p.create(h5py.h5p.LINK_CREATE)
-    link.set_create_intermediate_group(True)
     kind, size = h5py.h5t.py_create(dtype, logical=True), h5py.h5s.create_simple(shape)
-    return h5py.Dataset(h5py.h5d.create(file.id, name.encode(), kind, size, how, link))
+    return h5py.Dataset(h5py.h5d.create(file.id, name.encode(), kind, size, how))
 
 
 def _write_all(fd: int, data: bytes, offset: int) -> None:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.files import StorageError
-from warpgran.schema import PARAMETERS, SCHEMA_VERSION, Status
+from warpgran.schema import SCHEMA_VERSION, Status
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,34 +27,43 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
             computed yet are NaN.
 
     Raises:
-        StorageError: There is no such file, or it is not one of warpgran's, or of a newer version.
+        StorageError: There is no such file, or it is not one of warpgran's, or of another version.
     """
     import xarray as xr
 
     path = Path(path)
     try:
-        root = xr.open_dataset(path, engine="h5netcdf")
+        data = xr.open_dataset(path, engine="h5netcdf")
     except FileNotFoundError:
         raise StorageError(f"cannot read {path}: there is no such file") from None
     except (OSError, ValueError) as error:
         raise StorageError(f"cannot read {path}: it is not an HDF5 file ({error})") from None
-    found = root.attrs.get("schema_version")
-    if found is None:
-        raise StorageError(f"cannot read {path}: it is not a warpgran result")
-    if found > SCHEMA_VERSION:
-        raise StorageError(f"cannot read {path}: its schema is version {found}, this warpgran knows {SCHEMA_VERSION}")
-    series = xr.open_dataset(path, engine="h5netcdf", group="series")
-    params = xr.open_dataset(path, engine="h5netcdf", group=PARAMETERS)
-    by_run = {str(key): ("run", params[key].values) for key in params}
-    by_run["case_toml"] = "run", np.full(root.sizes["run"], root.attrs["case_toml"], dtype=object)
-    merged = root.merge(series).assign_coords(by_run)
-    merged["failure"] = merged["failure"].astype(str)
-    waiting = merged["status"] == Status.PENDING
+    check_schema(path, data.attrs)
+    texts = np.full(data.sizes["run"], data.attrs["case_toml"], dtype=object)
+    data = data.assign_coords(case_toml=("run", texts))
+    data["failure"] = data["failure"].astype(str)
+    waiting = data["status"] == Status.PENDING
     if waiting.any():  # numbers not written yet read as 0
-        for name in merged.data_vars:
-            if merged[name].dims[:1] == ("run",) and merged[name].dtype.kind == "f":
-                merged[name] = merged[name].where(~waiting)
-    return merged.set_coords([name for name in ("x", "time", "series_time") if name in merged])
+        for name in data.data_vars:
+            if data[name].dims[:1] == ("run",) and data[name].dtype.kind == "f":
+                data[name] = data[name].where(~waiting)
+    return data
+
+
+def check_schema(path: Path, attributes: Mapping[str, Any]) -> None:
+    """Check that a file is a result of this schema, by its attributes.
+
+    Raises:
+        StorageError: It is not.
+    """
+    found = attributes.get("schema_version")
+    if not isinstance(found, int | np.integer):
+        raise StorageError(f"cannot read {path}: it is not a warpgran result")
+    if found != SCHEMA_VERSION:
+        what = "compute it again" if found < SCHEMA_VERSION else "update warpgran"
+        raise StorageError(
+            f"cannot read {path}: its schema is version {found}, this warpgran reads version {SCHEMA_VERSION}; {what}"
+        )
 
 
 @contextmanager

@@ -83,14 +83,3 @@ def check_sources() -> None:
 def series(samples: Samples) -> dict[str, Array]:
     """Every series of the schema by name, each (runs, samples)."""
     return {name: DERIVED[name](samples) if name in DERIVED else samples.scalars[name] for name in SERIES}
-
-
-def stop_time(t: Array, v_flow: Array, rest_speed: float) -> float:
-    """First sample time [s] after which the speed stays below rest_speed [m/s]; NaN if it never does.
-
-    The initial state is at rest without having stopped: what counts is after the mass has moved.
-    """
-    moving = np.flatnonzero(~(v_flow < rest_speed))
-    if moving.size == 0 or moving[-1] == t.size - 1:
-        return float("nan")
-    return float(t[moving[-1] + 1])

@@ -13,10 +13,10 @@ from warpgran.files import StorageError
 from warpgran.results.layout import Layout
 from warpgran.results.reading import reading
 from warpgran.run.options import DECISIVE
-from warpgran.schema import PARAMETERS
+from warpgran.schema import is_key
 
-VERSIONS = ("warpgran_version", "warp_version")
-"""Attributes of a result on which its bits depend, beside the decisive options."""
+VERSIONS = ("schema_version", "warpgran_version", "warp_version")
+"""Attributes of a result on which its form and its bits depend, beside the decisive options."""
 
 
 def check_same(path: Path, layout: Layout, facts: Mapping[str, Any]) -> None:
@@ -42,15 +42,15 @@ def differences(path: Path, layout: Layout, facts: Mapping[str, Any]) -> list[st
     try:
         with reading(path) as file:
             there = dict(file.attrs)
-            columns = {key: file[PARAMETERS][key].asstr()[:] if file[PARAMETERS][key].dtype.kind == "O"
-                       else file[PARAMETERS][key][:] for key in file[PARAMETERS]}  # fmt: skip
+            columns = {key: file[key].asstr()[:] if file[key].dtype.kind == "O" else file[key][:]
+                       for key in file if is_key(key)}  # fmt: skip
             runs = file["run"][:]
     except (OSError, KeyError):
         return None
     differs = [name for name in (*DECISIVE, *VERSIONS) if there.get(name) != facts[name]]
     differs += ["device"] if _kind(there.get("device")) != _kind(facts["device"]) else []
     words = [f"{name} ({there.get(name)} there, {facts[name]} here)" for name in differs]
-    here = layout.parameters()
+    here = {key: column for key, (_, column) in layout.parameters().items()}
     swept = {*columns, *here}
     if there.get("identity") != facts["identity"]:
         words += _differing_keys(str(there.get("case_toml", "")), facts["case_toml"], swept)

@@ -39,7 +39,7 @@ def simulate(
         client: Client of a dask cluster, whose workers compute instead of this machine; threads then has no part.
 
     Returns:
-        Thickness, velocity and volume fraction (run, time, cell) and the series (run, sample), in SI units with their
+        Thickness, velocity and volume fraction (run, time, x) and the series (run, series_time), in SI units with their
         names; `status` says how each run ended. What was not computed is NaN.
 
     Raises:

@@ -99,7 +99,7 @@ def collapse(case: Case, ratios: Sequence[float], device: str = "cpu", precision
 
 
 def _measure(a: Array, data: xr.Dataset) -> Deposits:
-    last = data.isel(sample=-1)
+    last = data.isel(series_time=-1)
     return Deposits(a, last["front"].values / LENGTH - 1.0, last["h_max"].values / LENGTH)
 
 

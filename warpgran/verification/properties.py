@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import qmc
 
+from warpgran.analysis.selection import one_run
 from warpgran.case.case import Case
 from warpgran.run.options import Precision
 from warpgran.run.simulate import simulate
@@ -79,13 +80,12 @@ def examine(cases: Sequence[Case], precision: Precision, findings: Findings) -> 
     findings.runs += len(cases)
     findings.cell_steps += int(data.attrs["cell_steps"])
     for r, case in enumerate(cases):
-        run = data.isel(run=r, cell=slice(0, case.grid.cells))
+        run = one_run(data, r)
         findings.faults += [(what, case, precision) for what in _judge(case, run, precision, findings)]
     chosen = list(range(len(cases)))[::-COMPANY]
     again = simulate([cases[r] for r in chosen], precision=precision, threads=1)
     for k, r in enumerate(chosen):
-        cells = slice(0, cases[r].grid.cells)
-        if not _same(data.isel(run=r, cell=cells), again.isel(run=k, cell=cells)):
+        if not _same(one_run(data, r), one_run(again, k)):
             findings.faults.append(("its bits depend on the other runs of its batch", cases[r], precision))
 
 
