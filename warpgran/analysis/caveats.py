@@ -158,6 +158,8 @@ def _final(data: xr.Dataset, name: str) -> Array:
     time = next(str(dim) for dim in data[name].dims if dim != "run")
     last = np.array(data[name].isel({time: -1}).values)
     short = np.flatnonzero(~np.isfinite(last))
+    if not short.size:  # older xarray cannot read no rows from a file
+        return last
     rows = data[name].isel(run=short).transpose("run", time).values
     known = np.isfinite(rows)
     at = known.shape[1] - 1 - np.argmax(known[:, ::-1], axis=1)
