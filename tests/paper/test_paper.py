@@ -378,6 +378,7 @@ def test_a_figure_from_end_to_end(tmp_path: Path) -> None:
     again = warpgran("fig07", "-o", str(out), "--set", "grid.cells=60", "--no-claims", "--setting", "defaults")
     assert again.exit_code == 0
     assert (out / "results" / "defaults" / "collapses.h5").stat().st_mtime_ns == kept
+    assert not (out / "claims.csv").exists()  # no table of claims beside a page that judged none
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,19 @@ import typer
 
 from warpgran.errors import OptionError
 
+
+def _keys(incomplete: str) -> list[tuple[str, str]]:
+    """Keys of a run file that begin so, and what they mean: for the completion of `--set`."""
+    from warpgran.case.sections import KEYS
+
+    return [(key, known.meaning) for key, known in KEYS.items() if key.startswith(incomplete)]
+
+
 RunFile = Annotated[Path, typer.Argument(metavar="FILE", help="Run file, TOML.")]
 ResultFile = Annotated[Path, typer.Argument(metavar="OUT.h5", help="Result file.")]
 Set = Annotated[
-    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the run file; repeatable.")
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the run file; repeatable.", autocompletion=_keys),
 ]
 Device = Annotated[str, typer.Option(help="cpu, cuda or cuda:N.")]
 Devices = Annotated[str, typer.Option("--device", help="cpu, cuda, cuda:N, or several: cuda:0,cuda:1.")]

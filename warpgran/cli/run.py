@@ -13,7 +13,7 @@ import typer
 from warpgran.cli.arguments import Devices, Precision, RunFile, Set, bytes_of, shard_of
 from warpgran.cli.pictures import worth_drawing
 from warpgran.cli.report import report
-from warpgran.cli.terminal import RUNS, progress_bar
+from warpgran.cli.terminal import study_bar
 from warpgran.errors import OptionError
 
 if TYPE_CHECKING:
@@ -62,13 +62,7 @@ def run(
         start_quietly()
         if cluster is None:
             find_devices(device)
-    time_of_one = "t = {task.completed:.3f} of {task.total:g} s"
-    amount, total = (time_of_one, study.base.time.end) if len(runs) == 1 else (RUNS, float(len(runs)))
-    with _computing(cluster, how) as compute, progress_bar(amount, total) as show:
-
-        def progress(done: float) -> None:
-            show(done / len(runs) * total, total, study.base.title or "computing")
-
+    with _computing(cluster, how) as compute, study_bar(study, len(runs)) as progress:
         outcome = run_to_file(study, path, how, runs=runs, resume=resume, progress=progress, compute=compute)
     data = open_dataset(path)
     written = [str(path)]

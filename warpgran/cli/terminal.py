@@ -3,44 +3,37 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-RUNS = "{task.completed:.0f} of {task.total:.0f} runs"
-"""Amount of a progress bar that counts runs."""
-Show = Callable[[float, float, str], None]
-"""Takes the amount done, the total, and the words before the bar."""
+    from warpgran.case.study import Study
+    from warpgran.run.outcome import Progress
+    from warpgran.run.progress import Show
 
 
 @contextmanager
-def progress_bar(amount: str = RUNS, total: float = 1.0) -> Iterator[Show]:
-    """A progress bar on standard error; nothing where that is no terminal. What is printed meanwhile stands above it.
-
-    Args:
-        amount: Text behind the bar, a format string in which `task.completed` and `task.total` are known.
-        total: Amount of the whole work, until another is shown.
-
-    Yields:
-        What moves the bar.
-    """
+def progress_bar(*amount_and_total: Any) -> Iterator[Show]:
+    """The bar of `run.progress.bar`, which takes the same; nothing where standard error is no terminal."""
     if not sys.stderr.isatty():
         yield lambda done, total, words: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from warpgran.run.progress import bar
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn(amount), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), redirect_stdout=sys.stdout.isatty()) as bar:
-        task = bar.add_task("preparing kernels", total=total)
-
-        def show(done: float, total: float, words: str) -> None:
-            bar.update(task, completed=done, total=total, description=words)
-
+    with bar(*amount_and_total) as show:
         yield show
+
+
+@contextmanager
+def study_bar(study: Study, runs: int) -> Iterator[Progress]:
+    """The bar of so many runs of a study; nothing where standard error is no terminal."""
+    from warpgran.run.progress import bar_of, no_bar
+
+    with (bar_of if sys.stderr.isatty() else no_bar)(study, runs) as progress:
+        yield progress
 
 
 def stdout(width: int) -> Console:

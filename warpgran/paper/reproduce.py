@@ -81,9 +81,11 @@ def reproduce(plan: Plan, progress: Progress, tell: Tell) -> Path:
         tell(f"drew {picture.name}: {picture.title.removesuffix('.')}")
     for words in drawn.ended_early:
         tell(f"{words}: its lines end there")
+    table = plan.output / "claims.csv"
+    table.unlink(missing_ok=True)  # an older one would not be of these results
     judged = _judged(plan, progress, tell) if plan.claims else []
     if judged:
-        write_csv(judged, plan.output / "claims.csv")
+        write_csv(judged, table)
         for line in counted(judged):
             tell(line)
     page = plan.output / "index.html"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from warpgran.results.layout import Layout
 from warpgran.run import threads as on_threads
 from warpgran.run.options import EngineName, Options, Precision
 from warpgran.run.outcome import Compute, attributes
+from warpgran.run.progress import bar_of, no_bar
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,6 +28,8 @@ def simulate(
     precision: Precision = "float64",
     engine: EngineName = "warp",
     threads: int | None = None,
+    memory: float | None = None,
+    progress: bool = False,
     client: Client | None = None,
 ) -> xr.Dataset:
     """Compute one case, a sweep of cases, or any batch of them.
@@ -36,6 +40,9 @@ def simulate(
         precision: "float64" or "float32".
         engine: "warp", or "numpy" for the reference implementation.
         threads: Blocks of runs computed at once; all cores by default. A GPU has one.
+        memory: Bytes for the runs computed at once; a quarter of the machine's, or of the GPUs', by default.
+        progress: Whether to show a bar on standard error, or in the notebook. Nothing else is printed, and Warp, which
+            says what it compiles and loads, is quiet meanwhile.
         client: Client of a dask cluster, whose workers compute instead of this machine; threads then has no part.
 
     Returns:
@@ -43,21 +50,27 @@ def simulate(
         names; `status` says how each run ended. What was not computed is NaN.
 
     Raises:
-        OptionError: No such precision or engine.
+        OptionError: No such precision or engine, or a number that is out of range.
         DeviceError: No such device.
         CaseError: The output times differ.
         ClusterError: A block failed on a worker, or the scheduler is gone.
         KeyboardInterrupt: Ctrl-C.
     """
     study = Study.of([cases] if isinstance(cases, Case) else cases)
-    options = Options(device, precision, engine, threads)
+    options = Options(device, precision, engine, threads, memory)
     compute: Compute = on_threads.compute
+    quiet: AbstractContextManager[None] = nullcontext()
     if client is not None:
         from warpgran.run import cluster
 
         compute = partial(cluster.compute, client=client)
+    elif engine == "warp":
+        from warpgran.solve.device import quietly
+
+        quiet = quietly()
     sink = MemoryResults(Layout(study))
-    outcome = compute(sink, options, range(len(study)), lambda runs: None)
+    with quiet, (bar_of if progress else no_bar)(study, len(study)) as show:
+        outcome = compute(sink, options, range(len(study)), show)
     if outcome.interrupted:
         raise KeyboardInterrupt
     return sink.to_dataset(**attributes(options, outcome))

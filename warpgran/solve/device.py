@@ -20,7 +20,7 @@ class DeviceError(WarpgranError, ValueError):
 def start_quietly() -> None:
     """Start Warp without its banner, its compile messages, and its warning about a missing CUDA driver.
 
-    For the command line; a Python program that uses Warp itself decides this for itself.
+    For a program of its own; within another one see `quietly`.
     """
     wp.config.log_level = wp.LOG_WARNING
     if ctypes.util.find_library("cuda") is None:
@@ -28,6 +28,17 @@ def start_quietly() -> None:
             wp.init()
     else:
         wp.init()
+
+
+@contextmanager
+def quietly() -> Iterator[None]:
+    """Warp without its messages, started if need be; what they were to a program that uses Warp itself comes back."""
+    level = wp.config.log_level
+    start_quietly()
+    try:
+        yield
+    finally:
+        wp.config.log_level = level
 
 
 def find_device(name: str) -> str:
