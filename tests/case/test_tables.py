@@ -96,7 +96,7 @@ def test_bad_profile_names_file_and_line(tmp_path: Path, text: str, line: int | 
 
 @pytest.mark.parametrize(
     ("name", "content", "words"),
-    [("no.csv", None, "No such file"), (".", None, "directory"), ("l.csv", b"x,b\n\xff,1\n", "UTF-8")],
+    [("no.csv", None, "No such file"), (".", None, "it is a folder"), ("l.csv", b"x,b\n\xff,1\n", "UTF-8")],
 )
 def test_unreadable_file(tmp_path: Path, name: str, content: bytes | None, words: str) -> None:
     if content is not None:

@@ -40,7 +40,7 @@ def test_files_that_are_no_run_files(tmp_path: Path, content: bytes | None, word
         path.write_bytes(content)
     with pytest.raises(CaseError, match=f"^{re.escape(str(path))}: .*{words}"):
         Case.from_toml(path)
-    with pytest.raises(CaseError, match="is a directory"):
+    with pytest.raises(CaseError, match="it is a folder, not a file"):
         Case.from_toml(tmp_path)
 
 

@@ -263,3 +263,42 @@ def test_an_interrupted_run_keeps_what_it_had(folder: Path) -> None:
     stored = data["time"][data["h"][0].notnull().all("x")]
     assert 10.0 < reached < 100_000.0
     assert reached - 2.0 < float(stored[-1]) <= reached
+
+
+def test_nothing_is_overwritten_unasked(folder: Path) -> None:
+    os.mkfifo("fifo")
+    (folder / "quick.png").write_text("a holiday")
+    for arguments, words in (
+        (["-o", "x.png"], "allowed: a name such as out.h5"),
+        (["-o", "quick.toml", "--force"], "cannot write quick.toml"),
+        (["-o", "/dev/null"], "it is a device"),
+        (["-o", "fifo"], "it is a FIFO"),
+        (["-o", "absent/deep/out.h5"], "there is no folder absent"),
+        ([], "cannot write quick.png: what is there was not written by warpgran"),
+    ):
+        result = warpgran("run", "quick.toml", *arguments)
+        assert result.exit_code == 2
+        assert words in result.stderr
+        assert len(result.stderr.splitlines()) == 1
+    assert names(folder) == ["fifo", "quick.png", "quick.toml"]
+    assert (folder / "quick.png").read_text() == "a holiday"
+
+
+def test_run_twice_and_another_study_by_force(folder: Path) -> None:
+    for _ in range(2):
+        assert warpgran("run", "quick.toml").exit_code == 0
+    other = ["run", "quick.toml", "--set", "slope.angle=5"]
+    refused = warpgran(*other)
+    assert refused.exit_code == 2
+    assert re.search(r"differs in slope.angle \(22.0 there, 5.0 here\).*; --force replaces it", refused.stderr)
+    assert warpgran(*other, "--force").exit_code == 0
+    assert "angle = 5.0" in wg.open_dataset("quick.h5").attrs["case_toml"]
+
+
+def test_only_files_are_read(folder: Path) -> None:
+    os.mkfifo("fifo")
+    for command in ("run", "check", "plot", "animate", "summary"):
+        for path in ("fifo", "/dev/zero"):
+            result = warpgran(command, path)
+            assert result.exit_code == 2
+            assert re.search("it is a (FIFO|device), not a file", result.stderr)

@@ -70,7 +70,7 @@ def test_failure_leaves_the_old_file_and_nothing_else(
     data: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "page.png"
-    path.write_text("old")
+    path.write_text("old warpgran")
 
     def half(figure: Figure, part: Path, **options: Any) -> None:
         part.write_text("half")
@@ -79,7 +79,7 @@ def test_failure_leaves_the_old_file_and_nothing_else(
     monkeypatch.setattr(Figure, "savefig", half)
     with pytest.raises(OSError, match="disk full"):
         wg.plot(data, path)
-    assert path.read_text() == "old"
+    assert path.read_text() == "old warpgran"
     assert [path] == list(tmp_path.iterdir())
 
 

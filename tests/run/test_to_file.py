@@ -164,7 +164,7 @@ def test_an_earlier_start_is_not_thrown_away(tmp_path: Path, monkeypatch: pytest
 
     with pytest.raises(RuntimeError):
         run_to_file(study(), path, Options(), compute=failing)
-    with pytest.raises(StorageError, match="holds 3 of 12 runs of an earlier start: use --resume, or remove it"):
+    with pytest.raises(StorageError, match="holds 3 of 12 runs of an earlier start: --resume computes the others"):
         run_to_file(study(), path, Options())
     assert [file.name for file in tmp_path.iterdir()] == ["out.h5.part"]
     run_to_file(study(), path, Options(), resume=True)

@@ -67,9 +67,9 @@ def write_csv(frame: pd.DataFrame, path: str | Path) -> Path:
         The path of the file.
 
     Raises:
-        StorageError: the folder is missing or not writable, or `path` is a folder.
+        StorageError: the file cannot be written, or one is there that is no earlier summary.
     """
     path = Path(path)
-    with replacing(path) as part:
+    with replacing(path, ours=b",status,end_time,") as part:
         frame.to_csv(part, index=False, lineterminator="\n", encoding="utf-8")
     return path

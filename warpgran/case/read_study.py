@@ -38,7 +38,12 @@ def read_study(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> S
     problems += [problem for text in overrides if (problem := override(data, text))]
     problems += flatten(data)  # again, for an override can set all of sweep.over
     overridden = [text.partition("=")[0].strip() for text in overrides]
-    return _study(data, problems, Path(where).parent, source, where, overridden)
+    folder, section = Path(where).parent, data.get("sweep")
+    study = _study(data, problems, folder, source, where, overridden)
+    tables = [table.path for table in (study.base.slope.bed, study.base.column.profile) if table and table.path]
+    samples = [section["from"]] if isinstance(section, dict) and "from" in section else []
+    study.inputs = (Path(where), *(folder / name for name in (*tables, *samples)))
+    return study
 
 
 def sweep(

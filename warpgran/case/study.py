@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
@@ -33,6 +34,7 @@ class Study(Sequence["Case"]):
         source: The run file's whole text, "" where there is none.
         folder: What relative paths start from.
         design: The `[sensitivity]` section that made the runs, as text; "" where there is none.
+        inputs: The files that were read for it: the run file and the tables that it names.
     """
 
     def __init__(self, base: Case, columns: Mapping[str, Sequence[Any]]) -> None:
@@ -47,6 +49,7 @@ class Study(Sequence["Case"]):
         self.source = base.source
         self.folder = base.folder
         self.design = ""
+        self.inputs: tuple[Path, ...] = ()
         self._columns = {key: _compact(key, values) for key, values in columns.items()}
         self.given: tuple[Case, ...] = ()
         self._runs = len(next(iter(columns.values()))) if columns else 1

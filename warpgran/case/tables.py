@@ -18,6 +18,7 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.errors import WarpgranError
+from warpgran.files import read_text
 
 _MOST_MESSAGES = 10
 
@@ -177,7 +178,7 @@ def lines_of(path: Path) -> list[tuple[int, str]]:
         TableError: It cannot be read.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_text(path)
     except UnicodeDecodeError:
         raise TableError([f"{path}: is not UTF-8 text"]) from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name

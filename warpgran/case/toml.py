@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from warpgran.case.model import Model
 from warpgran.case.problems import CaseError, Problem, shown, unknown_key
 from warpgran.case.sections import ALLOWED, Every
 from warpgran.case.tables import Table
+from warpgran.files import read_text
 
 VARYING = {"sweep": "sweep", "sensitivity": "design"}
 """Sections, with what they are, that make a file a batch; in their part `over`, dotted keys are single names."""
@@ -24,14 +24,12 @@ def load(path: str) -> tuple[str, dict[str, Any]]:
         CaseError: It cannot be read, or is not TOML.
     """
     try:
-        source = Path(path).read_text(encoding="utf-8-sig")
+        source = read_text(path)
         return source, tomllib.loads(source)
     except UnicodeDecodeError as error:
         message = f"is not UTF-8 text (byte {error.start})"
     except tomllib.TOMLDecodeError as error:
         message = f"is not valid TOML: {error}"
-    except IsADirectoryError:
-        message = "is a directory, not a run file"
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         message = f"cannot be read: {getattr(error, 'strerror', None) or error}"
     except RecursionError:

@@ -35,7 +35,7 @@ def converge(
     from warpgran.case.read_study import read_study
     from warpgran.errors import OptionError
     from warpgran.figures.style import PLOT_SUFFIXES, checked
-    from warpgran.files import replacing
+    from warpgran.files import MARK, check_ours, check_place, replacing
     from warpgran.run.options import Options
     from warpgran.solve.device import find_device, start_quietly
     from warpgran.studies.converge import converge
@@ -44,6 +44,10 @@ def converge(
     if len(study) > 1:
         raise OptionError(f"{file}: is a sweep of {len(study)} runs; allowed: a single run, so take the sweep out")
     path = checked(output or Path(f"{file.stem}_convergence.png"), PLOT_SUFFIXES)
+    heading = b"quantity,"
+    for target, mark in ((path, MARK), *([(csv, heading)] if csv else [])):
+        check_place(target)
+        check_ours(target, mark)
     start_quietly()
     find_device(device)
     found = converge(study.base, levels=levels, options=Options(device, precision))
@@ -53,7 +57,7 @@ def converge(
     typer.echo(found.verdict())
     written = [str(found.draw(path))]
     if csv:
-        with replacing(csv) as part:
+        with replacing(csv, ours=heading) as part:
             found.table().to_csv(part, index_label="quantity", lineterminator="\n")
         written.append(str(csv))
     typer.echo(f"wrote {' and '.join(written)}")

@@ -24,6 +24,9 @@ def report(study: Study, data: xr.Dataset, outcome: Outcome) -> None:
     from warpgran.analysis.summary import summary
     from warpgran.results.reading import pending
 
+    if outcome.spoiled:
+        were = "1 run was" if outcome.spoiled == 1 else f"{outcome.spoiled} runs were"
+        typer.echo(f"warpgran: {were} damaged in the file of the earlier start, and computed again", err=True)
     print_caveats(data)
     if study.base.title:
         typer.echo(study.base.title)
@@ -31,8 +34,10 @@ def report(study: Study, data: xr.Dataset, outcome: Outcome) -> None:
     if outcome.kernel_seconds > 0.0:
         steps, seconds = outcome.cell_steps / 1e6, outcome.kernel_seconds
         typer.echo(f"{steps:.1f} million cell-steps in {seconds:.3f} s: {steps / seconds:.1f} million a second")
-    if outcome.interrupted and pending(data["status"].values).any():
-        typer.echo("warpgran: interrupted; go on with --resume", err=True)
+    if outcome.interrupted:
+        partial = pending(data["status"].values).any()
+        what = "go on with --resume" if partial else "the file is complete, of this start or an earlier one"
+        typer.echo(f"warpgran: interrupted; {what}", err=True)
 
 
 def print_caveats(data: xr.Dataset) -> None:

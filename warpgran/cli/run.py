@@ -38,6 +38,9 @@ def run(
         typer.Option(metavar="SIZE", help="Memory of the runs computed at once, as 4GB; default: a quarter."),
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Compute only what an earlier start left out.")] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace what is there: another result, or an earlier start.")
+    ] = False,
     shard: Annotated[
         str | None, typer.Option(metavar="I/N", help="Compute the I-th of N shards; `warpgran merge` joins them.")
     ] = None,
@@ -48,6 +51,8 @@ def run(
 ) -> None:
     """Compute a run file: an HDF5 file, a picture and a short table."""
     from warpgran.case.read_study import read_study
+    from warpgran.files import check_ours, check_place
+    from warpgran.results.output import result_path
     from warpgran.results.reading import open_dataset
     from warpgran.run.options import Options
     from warpgran.run.to_file import run_to_file
@@ -56,6 +61,10 @@ def run(
     study = read_study(file, set_ or ())
     runs, infix = shard_of(shard, len(study))
     path = output or Path(f"{file.stem}{infix}.h5")
+    if picture:
+        result_path(path, study.inputs)
+        check_place(path.with_suffix(".png"))
+        check_ours(path.with_suffix(".png"))
     if engine == "warp":
         from warpgran.solve.device import find_devices, start_quietly
 
@@ -63,7 +72,9 @@ def run(
         if cluster is None:
             find_devices(device)
     with _computing(cluster, how) as compute, study_bar(study, len(runs)) as progress:
-        outcome = run_to_file(study, path, how, runs=runs, resume=resume, progress=progress, compute=compute)
+        outcome = run_to_file(
+            study, path, how, runs=runs, resume=resume, force=force, progress=progress, compute=compute
+        )
     data = open_dataset(path)
     written = [str(path)]
     if picture and worth_drawing(data):
@@ -72,7 +83,7 @@ def run(
         written.append(str(plot(data, path.with_suffix(".png"))))
     report(study, data, outcome)
     typer.echo(f"wrote {' and '.join(written)}")
-    raise typer.Exit(exit_status(data["status"].values))
+    raise typer.Exit(130 if outcome.interrupted else exit_status(data["status"].values))
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,7 +22,7 @@ from warpgran.errors import ResultError
 from warpgran.figures.heading import run_heading
 from warpgran.figures.selection import computed_snapshots, one_run, wet_range
 from warpgran.figures.style import STYLE, checked
-from warpgran.files import replacing
+from warpgran.files import MARK, replacing
 
 ANIMATION_SUFFIXES = (".gif", ".mp4")
 
@@ -41,6 +42,7 @@ def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, 
 
     Raises:
         OptionError: another suffix.
+        StorageError: the animation cannot be written, or a file is there that warpgran did not write.
         ResultError: .mp4 without ffmpeg, no such run, or fewer than two snapshots.
     """
     path = checked(path, ANIMATION_SUFFIXES)
@@ -51,7 +53,7 @@ def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, 
             f"an animation needs two snapshots or more, run {run} has {one.sizes['time']}: "
             "set `time.snapshots = { every = 0.02 }` in the run file and run it again"
         )
-    with rc_context(STYLE), replacing(path) as part:
+    with rc_context(STYLE), replacing(path, ours=MARK) as part:
         scene = Scene(one, dpi)
         with writer.saving(scene.figure, str(part), dpi):
             for instant in range(one.sizes["time"]):
@@ -161,12 +163,22 @@ def _at_edges(values: Array) -> Array:
     return np.asarray((padded[1:] + padded[:-1]) / 2)
 
 
+class _MarkedGif(PillowWriter):
+    """A GIF that says who wrote it, so that it may be replaced."""
+
+    def finish(self) -> None:
+        """Write the file."""
+        frames: list[Any] = self.__dict__["_frames"]
+        frames[0].info["comment"] = MARK  # matplotlib has no metadata for a GIF
+        super().finish()
+
+
 def _movie_writer(suffix: str, fps: int) -> AbstractMovieWriter:
     """The writer of a GIF or a video."""
     if suffix == ".gif":
-        return PillowWriter(fps=fps)
+        return _MarkedGif(fps=fps)
     if not FFMpegWriter.isAvailable():
         raise ResultError(
             "writing .mp4 needs ffmpeg, which was not found: install it, or choose a name that ends in .gif"
         )
-    return FFMpegWriter(fps=fps)
+    return FFMpegWriter(fps=fps, metadata={"comment": MARK.decode()})

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from warpgran.errors import OptionError
-from warpgran.files import replacing
+from warpgran.files import MARK, replacing
 
 MIME = {".png": "image/png", ".svg": "image/svg+xml"}
 
@@ -57,9 +57,9 @@ class Page:
         self.blocks.append({"kind": "picture", "source": f"data:{kind};base64,{data}", "caption": caption})
 
     def write(self, path: Path) -> None:
-        """Write the page whole, in place of what is there."""
+        """Write the page whole, in place of an earlier page of warpgran."""
         html = template().render(title=self.title, blocks=self.blocks)
-        with replacing(path) as part:
+        with replacing(path, ours=MARK) as part:
             part.write_text(html, encoding="utf-8")
 
 

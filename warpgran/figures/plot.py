@@ -10,8 +10,7 @@ from matplotlib import rc_context
 from warpgran.errors import ResultError
 from warpgran.figures.batch import draw_batch
 from warpgran.figures.one_run import draw_run
-from warpgran.figures.style import PLOT_SUFFIXES, STYLE, checked
-from warpgran.files import replacing
+from warpgran.figures.style import PLOT_SUFFIXES, STYLE, checked, save
 
 
 def plot(data: xr.Dataset, path: str | Path, run: int | None = None) -> Path:
@@ -30,12 +29,13 @@ def plot(data: xr.Dataset, path: str | Path, run: int | None = None) -> Path:
     Raises:
         OptionError: another suffix.
         ResultError: no such run, nothing to draw, or a selection without the dimension `run`.
+        StorageError: the picture cannot be written, or a file is there that warpgran did not write.
     """
     path = checked(path, PLOT_SUFFIXES)
     if "run" not in data.dims:
         raise ResultError("a figure needs the dimension `run`: select one run with data.isel(run=[0])")
-    with rc_context(STYLE), replacing(path) as part:
+    with rc_context(STYLE):
         together = run is None and data.sizes["run"] > 1
         figure = draw_batch(data) if together else draw_run(data, run or 0)
-        figure.savefig(part, dpi=200)
+        save(figure, path)
     return path

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from warpgran.analysis.units import Lengths, unit_of
 from warpgran.errors import OptionError
+from warpgran.files import MARK, replacing
 
 PLOT_SUFFIXES = (".png", ".pdf", ".svg")
 WIDTH = 180 / 25.4  # of a page, inches
@@ -115,6 +117,23 @@ def checked(path: str | Path, suffixes: tuple[str, ...]) -> Path:
     if path.suffix.lower() not in suffixes:
         raise OptionError(f"cannot write {path.name!r}: the name must end in {', '.join(suffixes)}")
     return path
+
+
+def save(figure: Figure, path: Path, dpi: float = 200, **metadata: str | None) -> None:
+    """Write a figure over an earlier one of warpgran's, or nothing.
+
+    Args:
+        figure: What to write.
+        path: A picture, .png, .pdf or .svg.
+        dpi: Pixels an inch of a .png.
+        metadata: More of what the file says of itself, in the names of its format.
+
+    Raises:
+        StorageError: It cannot be written, or something else is there.
+    """
+    name = "Software" if path.suffix.lower() == ".png" else "Creator"
+    with replacing(path, ours=MARK) as part:
+        figure.savefig(part, dpi=dpi, metadata={name: f"warpgran {version('warpgran')}", **metadata})
 
 
 def letter(axes: Sequence[Axes]) -> None:

@@ -9,8 +9,7 @@ from pathlib import Path
 from matplotlib import rc_context
 
 from warpgran.figures.page import Page
-from warpgran.figures.style import STYLE
-from warpgran.files import replacing
+from warpgran.figures.style import STYLE, save
 from warpgran.paper.catalogue import chosen
 from warpgran.paper.claim import Finding
 from warpgran.paper.laboratory import Laboratory
@@ -97,9 +96,8 @@ def draw(picture: Picture, results: Results, laboratory: Laboratory, folder: Pat
     """Draw a picture as PNG and SVG, the same bytes for the same results."""
     with rc_context({**STYLE, "svg.hashsalt": picture.name}):
         figure = picture.draw(results, laboratory)
-        for suffix, metadata in ((".png", None), (".svg", {"Date": None})):
-            with replacing(folder / f"{picture.name}{suffix}") as part:
-                figure.savefig(part, dpi=180, metadata=metadata)
+        save(figure, folder / f"{picture.name}.png", dpi=180)
+        save(figure, folder / f"{picture.name}.svg", dpi=180, Date=None)
 
 
 def _results(plan: Plan, setting: Setting, progress: Progress, whole: bool = True) -> StoredResults:

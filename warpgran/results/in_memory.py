@@ -34,6 +34,9 @@ class MemoryResults:
         for name, array in self.arrays.items():
             array[list(at)] = rows[name]
 
+    def spend(self, cell_steps: int, kernel_seconds: float) -> None:
+        """Nothing to note: there are no earlier sessions to add to."""
+
     def to_dataset(self, **attributes: Any) -> xr.Dataset:
         """The results with units and names; the keys in which runs differ are coordinates of `run`."""
         import xarray as xr

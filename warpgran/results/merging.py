@@ -9,7 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from warpgran.files import StorageError, replacing
+from warpgran.files import StorageError, check_readable, replacing
 from warpgran.results.datasets import describe_as
 from warpgran.results.layout import now
 from warpgran.results.reading import check_schema
@@ -49,6 +49,7 @@ def merge(shards: Sequence[Path], path: Path) -> int:
 
 
 def _opened(path: Path) -> h5py.File:
+    check_readable(path)
     try:
         file = h5py.File(path, "r")
     except OSError as error:

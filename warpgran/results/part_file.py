@@ -1,40 +1,61 @@
 """The result file of a running study, `NAME.part`.
 
 It is HDF5 whose structure is complete before the first run, every array at its final size and place. Runs then only
-write their numbers into those places, past the HDF5 library, and their status last; nothing else of the file is ever
-touched. Killed at any moment, it is therefore a sound file, which `--resume` completes. Once all runs are stored it is
-copied to the final name.
+write their numbers into those places, past the HDF5 library, then a checksum, and their status last; nothing else of
+the file is ever touched. Killed at any moment, it is therefore a sound file, which `--resume` completes. Once all runs
+are stored it is copied to the final name.
+
+What a disk or a copy has spoiled is found by checksums: one a run, and one of everything that is not a run's. They and
+the time that has been spent stand in the group CHECKS, which the finished file does not have.
 """
 
 from __future__ import annotations
 
 import fcntl
 import os
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from hashlib import blake2b
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
 
 from warpgran.arrays import Array
-from warpgran.files import StorageError, check_writable, replacing
+from warpgran.files import StorageError, check_place, check_writable, replacing
 from warpgran.results.datasets import STATUS_TYPE, describe, write_shared
 from warpgran.results.final_file import write_compressed
 from warpgran.results.layout import Layout, status_attributes
 from warpgran.results.reading import pending, reading
 from warpgran.schema import Status
 
+CHECKS = "checks"
+"""Group of the part file with what belongs to no result."""
+ROWS, STRUCTURE, SPENT = f"{CHECKS}/rows", f"{CHECKS}/structure", f"{CHECKS}/spent"
+_PIECE = 2**20
+
+
+class Spent(NamedTuple):
+    """What the computation of a file has taken, in all its sessions: attributes of the result."""
+
+    cell_steps: float = 0.0
+    kernel_seconds: float = 0.0
+    wall_seconds: float = 0.0
+
+    def plus(self, other: Spent) -> Spent:
+        """The sum."""
+        return Spent(*(a + b for a, b in zip(self, other, strict=True)))
+
 
 def part_of(path: Path) -> Path:
     """The file that a study writes to while it runs.
 
     Raises:
-        StorageError: `path` is a folder.
+        StorageError: No file can be written at `path`.
     """
-    if path.is_dir():
-        raise StorageError(f"cannot write {path}: it is a folder")
+    check_place(path)
     return path.with_name(path.name + ".part")
 
 
@@ -45,30 +66,50 @@ class PartFile:
         path: Of the file.
         layout: Of the result.
         status: Codes of schema.Status in the file, shape (runs,).
+        before: Spent by earlier sessions.
+        spoiled: Number of runs whose numbers were not what was written; they are pending again.
     """
 
     def __init__(self, path: Path, layout: Layout, attributes: Mapping[str, Any] | None = None) -> None:
         """Open a part file; with attributes, create it.
 
         Raises:
-            StorageError: It cannot be written, or another process is writing it.
+            StorageError: It cannot be written, is damaged, or another process is writing it.
         """
         self.path, self.layout = path, layout
         self._new = path.with_name(f".{path.name}.new")  # one name: what a killed start leaves, the next writes over
         if attributes is not None:
             check_writable(path, self._new)
         self._lock = _Lock(path)
-        if attributes is not None:
-            try:
+        try:
+            if attributes is not None:
                 with replacing(path, self._new), _naming(path):
                     _create(self._new, layout, attributes)
-            except StorageError:
-                self._lock.release()
-                raise
-        self._fd = os.open(path, os.O_RDWR)
-        with reading(path) as file:
-            self._offset = {name: file[name].id.get_offset() for name in layout.columns}
+            self._fd = os.open(path, os.O_RDWR)
+        except BaseException:
+            self._lock.release()
+            raise
+        try:
+            self._open()
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self) -> None:
+        """Find the places of all arrays, and check what is there."""
+        self._began, self._spent, self.spoiled = time.perf_counter(), Spent(), 0
+        with reading(self.path) as file:
+            self._offset = _places(file, self.layout)
             self.status: Array = file["status"][:]
+            self.before = Spent(*file[SPENT][:].tolist())
+            rows, structure = file[ROWS][:], int(file[STRUCTURE][()])
+        if _structure_sum(self._fd, _ranges(self._offset, self.layout)) != structure:
+            raise StorageError(f"cannot go on with {self.path}: it is damaged; --force starts anew")
+        for place in np.flatnonzero(~pending(self.status)).tolist():
+            if self._sum_there(place) != rows[place]:
+                self.spoiled += 1
+                self.status[place] = Status.PENDING
+                self._write("status", place, np.int8(Status.PENDING).tobytes())
 
     def __enter__(self) -> PartFile:
         return self
@@ -87,36 +128,69 @@ class PartFile:
         Raises:
             StorageError: The disk is full, for instance. What was stored before is sound.
         """
-        names = sorted(self.layout.columns, key=lambda name: name == "status")
+        names = _in_order(self.layout)
         columns = [np.ascontiguousarray(rows[name], dtype=self.layout.columns[name].dtype) for name in names]
         with _naming(self.path):
             for n, place in enumerate(at):
-                for name, values in zip(names, columns, strict=True):
-                    row = values[n : n + 1]
-                    if row.nbytes:
-                        _write_all(self._fd, row.tobytes(), self._offset[name] + place * row.nbytes)
+                row = [values[n : n + 1].tobytes() for values in columns]
+                for name, data in zip(names[:-1], row[:-1], strict=True):
+                    self._write(name, place, data)
+                self._write(ROWS, place, np.uint64(_row_sum(place, row)).tobytes())
+                self._write("status", place, row[-1])
                 self.status[place] = rows["status"][n]
+
+    def spend(self, cell_steps: int, kernel_seconds: float) -> None:
+        """Add to what the runs of this session have taken."""
+        self._spent = self._spent.plus(Spent(cell_steps, kernel_seconds))
+        wall = time.perf_counter() - self._began
+        with _naming(self.path):
+            self._write(SPENT, 0, np.array(self.before.plus(self._spent._replace(wall_seconds=wall))).tobytes())
 
     def finish(self, path: Path, attributes: Mapping[str, Any]) -> None:
         """Copy to the finished file, compressed and in chunks of a run, and remove this one.
 
+        Args:
+            path: Of the finished file.
+            attributes: Of this session; what was spent is that of all sessions in the file.
+
         Raises:
             StorageError: The disk is full, for instance. This file is still there then.
         """
+        here = Spent(*(attributes[name] for name in Spent._fields))
+        spent = self.before.plus(here)._asdict()
         with replacing(path, self._new) as final, _naming(path):
             with reading(self.path) as source, h5py.File(final, "w") as target:
                 write_compressed(source, target, self.layout, self.status)
-                target.attrs.update({**source.attrs, **attributes})
+                facts = {**attributes, **spent, "cell_steps": int(spent["cell_steps"])}
+                target.attrs.update({**source.attrs, **facts})
         self.path.unlink()
+
+    def _write(self, name: str, place: int, data: bytes) -> None:
+        """Write the row of a run into its array."""
+        if data:
+            _write_all(self._fd, data, self._offset[name] + place * len(data))
+
+    def _sum_there(self, place: int) -> int:
+        """The checksum of the run that is in the file."""
+        runs = self.layout.runs.size
+        each = {name: size // runs for name, size in _sizes(self.layout).items()}
+        places = [(each[name], self._offset[name] + place * each[name]) for name in _in_order(self.layout)]
+        return _row_sum(place, [os.pread(self._fd, size, offset) if size else b"" for size, offset in places])
 
 
 def copy_done(path: Path, part: PartFile) -> None:
-    """Copy those runs of a finished file that need not be computed again."""
-    with _naming(part.path), reading(path) as file:
+    """Copy those runs of a finished file that need not be computed again, and what they took; not what is damaged."""
+    with reading(path) as file:
         status = file["status"][:]
         for place in np.flatnonzero(~pending(status)):
-            rows = {name: file[name][place] for name in part.layout.columns}
-            part.put([int(place)], {name: np.asarray(value)[None] for name, value in rows.items()})
+            try:
+                rows = {name: np.asarray(file[name][place])[None] for name in part.layout.columns}
+            except OSError:
+                part.spoiled += 1
+                continue
+            part.put([int(place)], rows)
+        part.before = Spent(*(float(file.attrs[name]) for name in Spent._fields))
+    part.spend(0, 0.0)
 
 
 class _Lock:
@@ -124,7 +198,10 @@ class _Lock:
 
     def __init__(self, path: Path) -> None:
         self._path = path.with_name(path.name + ".lock")
-        self._fd = os.open(self._path, os.O_RDWR | os.O_CREAT)
+        try:
+            self._fd = os.open(self._path, os.O_RDWR | os.O_CREAT)
+        except OSError as error:
+            raise StorageError(f"cannot write {path}: {error.strerror}") from None
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -136,6 +213,15 @@ class _Lock:
         os.close(self._fd)
 
 
+def check_unlocked(path: Path) -> None:
+    """Check that no process is writing a part file.
+
+    Raises:
+        StorageError: One is.
+    """
+    _Lock(path).release()
+
+
 def _create(path: Path, layout: Layout, attributes: Mapping[str, Any]) -> None:
     with h5py.File(path, "w", locking=False) as file:
         file.attrs.update(attributes)
@@ -145,6 +231,17 @@ def _create(path: Path, layout: Layout, attributes: Mapping[str, Any]) -> None:
             describe(_reserved(file, name, shape, dtype), column.schema, layout.coordinates(name))
         file["status"][:] = np.full(layout.runs.size, Status.PENDING, dtype=np.int8)
         file["status"].attrs.update(status_attributes())
+        file.create_group(CHECKS)
+        _reserved(file, ROWS, (layout.runs.size,), np.dtype(np.uint64))
+        _reserved(file, STRUCTURE, (), np.dtype(np.uint64))
+        _reserved(file, SPENT, (len(Spent._fields),), np.dtype(np.float64))[:] = Spent()
+        offset = _places(file, layout)
+    fd = os.open(path, os.O_RDWR)
+    try:
+        found = _structure_sum(fd, _ranges(offset, layout))
+        _write_all(fd, np.uint64(found).tobytes(), offset[STRUCTURE])
+    finally:
+        os.close(fd)
 
 
 def _reserved(file: h5py.File, name: str, shape: tuple[int, ...], dtype: Any) -> h5py.Dataset:
@@ -155,6 +252,59 @@ def _reserved(file: h5py.File, name: str, shape: tuple[int, ...], dtype: Any) ->
     how.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
     kind, size = h5py.h5t.py_create(dtype, logical=True), h5py.h5s.create_simple(shape)
     return h5py.Dataset(h5py.h5d.create(file.id, name.encode(), kind, size, how))
+
+
+def _in_order(layout: Layout) -> list[str]:
+    """The columns in the order in which they are written: the status last."""
+    return sorted(layout.columns, key=lambda name: name == "status")
+
+
+def _sizes(layout: Layout) -> dict[str, int]:
+    """Bytes of every array that runs write into."""
+    runs = layout.runs.size
+    columns = {name: runs * c.dtype.itemsize * int(np.prod(c.shape)) for name, c in layout.columns.items()}
+    return columns | {ROWS: 8 * runs, STRUCTURE: 8, SPENT: 8 * len(Spent._fields)}
+
+
+def _places(file: h5py.File, layout: Layout) -> dict[str, int]:
+    """Where in the file each array begins.
+
+    Raises:
+        StorageError: It is not as `_create` makes it.
+    """
+    offsets = {}
+    for name, size in _sizes(layout).items():
+        data = file.get(name)
+        there = data.id.get_storage_size() if isinstance(data, h5py.Dataset) else -1
+        if there != size or (size and data.id.get_offset() is None):
+            raise StorageError(f"cannot go on with {file.filename}: it is damaged; --force starts anew")
+        offsets[name] = data.id.get_offset() or 0
+    return offsets
+
+
+def _ranges(offset: Mapping[str, int], layout: Layout) -> list[tuple[int, int]]:
+    """Beginning and end of the bytes that runs write."""
+    return sorted((offset[name], offset[name] + size) for name, size in _sizes(layout).items() if size)
+
+
+def _structure_sum(fd: int, ranges: Sequence[tuple[int, int]]) -> int:
+    """A checksum of all bytes outside these ranges, and of the ranges."""
+    total = blake2b(repr(ranges).encode(), digest_size=8)
+    at, size = 0, os.fstat(fd).st_size
+    for begin, end in [*ranges, (size, size)]:
+        while at < begin and (piece := os.pread(fd, min(_PIECE, begin - at), at)):
+            total.update(piece)
+            at += len(piece)
+        at = max(at, end)
+    return int.from_bytes(total.digest(), "little")
+
+
+def _row_sum(place: int, row: Sequence[bytes]) -> int:
+    """A checksum of the numbers of a run, status included."""
+    total = blake2b(place.to_bytes(8, "little"), digest_size=8)
+    for data in row:
+        total.update(data)
+    return int.from_bytes(total.digest(), "little")
 
 
 def _write_all(fd: int, data: bytes, offset: int) -> None:

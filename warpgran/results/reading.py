@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from warpgran.arrays import Array
-from warpgran.files import StorageError
+from warpgran.files import StorageError, check_readable
 from warpgran.schema import SCHEMA_VERSION, Status
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     import xarray as xr
 
     path = Path(path)
+    check_readable(path)
     try:
         data = xr.open_dataset(path, engine="h5netcdf")
     except FileNotFoundError:
@@ -69,6 +70,7 @@ def check_schema(path: Path, attributes: Mapping[str, Any]) -> None:
 @contextmanager
 def reading(path: Path) -> Iterator[h5py.File]:
     """A file open for reading, even if this process is writing it."""
+    check_readable(path)
     try:
         file = h5py.File(path, "r")
     except OSError:

@@ -120,7 +120,7 @@ def compute(
                     _, block, cases = flight[future.key]
                     finished = _result(future, _numbers(block))
                     del flight[future.key]
-                    store(sink, outcome, block, cases, finished)
+                    store(sink, outcome, block, cases, finished, threads.most)
                     done += len(block)
                 progress(done)
         finally:
@@ -128,7 +128,6 @@ def compute(
                 client.cancel([future for future, _, _ in flight.values()])
         outcome.interrupted = interrupted()
     outcome.threads = threads.most
-    outcome.kernel_seconds /= threads.most
     outcome.wall_seconds = time.perf_counter() - began
     return outcome
 

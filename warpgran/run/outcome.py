@@ -26,6 +26,9 @@ class Sink(Protocol):
     def put(self, at: Sequence[int], rows: Mapping[str, Array]) -> None:
         """Store rows of `Layout.rows` at these places of `layout.runs`."""
 
+    def spend(self, cell_steps: int, kernel_seconds: float) -> None:
+        """Take note of what runs that were stored have taken."""
+
 
 @dataclass
 class Outcome:
@@ -38,6 +41,7 @@ class Outcome:
         cell_steps: Sum over the steps of all runs of the cells that each was taken on.
         kernel_seconds: Time loops alone, averaged over the threads.
         wall_seconds: The whole computation.
+        spoiled: Runs of an earlier start whose numbers were damaged in the file, so that they were computed again.
     """
 
     interrupted: bool = False
@@ -46,6 +50,7 @@ class Outcome:
     cell_steps: int = 0
     kernel_seconds: float = 0.0
     wall_seconds: float = 0.0
+    spoiled: int = 0
 
 
 class Compute(Protocol):
@@ -62,12 +67,16 @@ class Compute(Protocol):
         """
 
 
-def store(sink: Sink, outcome: Outcome, runs: Sequence[int], cases: Sequence[Case], finished: Finished) -> None:
-    """Hand a block that has ended to the sink, and count it in the outcome."""
+def store(
+    sink: Sink, outcome: Outcome, runs: Sequence[int], cases: Sequence[Case], finished: Finished, at_once: int
+) -> None:
+    """Hand a block that has ended, one of so many at a time, to the sink, and count it in the outcome."""
     layout = sink.layout
     sink.put(np.searchsorted(layout.runs, runs).tolist(), layout.rows(cases, finished))
-    outcome.cell_steps += int(finished.cell_steps.sum())
-    outcome.kernel_seconds += finished.seconds
+    cell_steps, seconds = int(finished.cell_steps.sum()), finished.seconds / at_once
+    sink.spend(cell_steps, seconds)
+    outcome.cell_steps += cell_steps
+    outcome.kernel_seconds += seconds
     outcome.failures |= {runs[r]: str(failure) for r, failure in finished.failures.items()}
 
 

@@ -1,4 +1,4 @@
-"""Whether the runs of a file can be kept: it must be of the same study, computed in the same way."""
+"""Whether the runs of a file can be kept, or the file replaced: of which study it is, and how it was computed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from warpgran.files import StorageError
 from warpgran.results.layout import Layout
-from warpgran.results.reading import reading
+from warpgran.results.reading import pending, reading
 from warpgran.run.options import DECISIVE
 from warpgran.schema import is_key
 
@@ -37,6 +37,49 @@ def check_same(path: Path, layout: Layout, facts: Mapping[str, Any]) -> None:
         raise StorageError(f"cannot go on with {path}: it differs in {', '.join(differs)}")
 
 
+def check_replaceable(path: Path, part: Path, layout: Layout, facts: Mapping[str, Any]) -> None:
+    """Check that nothing is lost when a study begins anew: a complete file of the same study is computed again.
+
+    Args:
+        path: Where the result is to be.
+        part: Where it is while it is computed.
+        layout: Of the result that is to be computed.
+        facts: Its attributes.
+
+    Raises:
+        StorageError: Something else is there, or a part of the result.
+    """
+    for found in (part, path):
+        if not found.exists() or found.stat().st_size == 0:
+            continue
+        differs = differences(found, layout, facts)
+        if differs is None:
+            raise StorageError(f"cannot write {path}: {found} is there and is no result; --force replaces it")
+        done, runs = done_of(found)
+        if differs and (done or found == path):
+            what = f"{found} is of another study, which differs in {', '.join(differs)}"
+            raise StorageError(f"cannot write {path}: {what}; --force replaces it")
+        if done < runs and (done or found == path):
+            raise StorageError(
+                f"{found} holds {done} of {runs} runs of an earlier start: --resume computes the others, --force all"
+            )
+        if found == part and done:
+            raise StorageError(f"{found} holds all {runs} runs of an earlier start: --resume finishes it")
+
+
+def done_of(path: Path) -> tuple[int, int]:
+    """Runs of a result that are done, and all runs of it; 0 and 0 where there is none.
+
+    Raises:
+        StorageError: It is no result.
+    """
+    if not path.exists():
+        return 0, 0
+    with reading(path) as file:
+        status = file["status"][:]
+    return int((~pending(status)).sum()), status.size
+
+
 def differences(path: Path, layout: Layout, facts: Mapping[str, Any]) -> list[str] | None:
     """What differs between a file and the result to be computed, in words; None if the file is no result."""
     try:
@@ -45,7 +88,7 @@ def differences(path: Path, layout: Layout, facts: Mapping[str, Any]) -> list[st
             columns = {key: file[key].asstr()[:] if file[key].dtype.kind == "O" else file[key][:]
                        for key in file if is_key(key)}  # fmt: skip
             runs = file["run"][:]
-    except (OSError, KeyError):
+    except (OSError, KeyError, StorageError):
         return None
     differs = [name for name in (*DECISIVE, *VERSIONS) if there.get(name) != facts[name]]
     differs += ["device"] if _kind(there.get("device")) != _kind(facts["device"]) else []

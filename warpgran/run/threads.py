@@ -73,13 +73,12 @@ def compute(sink: Sink, options: Options, runs: Sequence[int], progress: Progres
                     if isinstance(future.exception(), _StoppedError):
                         continue
                     numbers, cases, finished = future.result()
-                    store(sink, outcome, numbers, cases, finished)
+                    store(sink, outcome, numbers, cases, finished, at_once)
                     done[n] = float(len(numbers))
                 progress(sum(done.copy().values()))
         finally:
             stop.set()
         outcome.interrupted = interrupted()
-    outcome.kernel_seconds /= at_once
     outcome.wall_seconds = time.perf_counter() - began
     return outcome
 

@@ -6,14 +6,16 @@ from pathlib import Path
 from typing import Any
 
 from warpgran.case.study import Study
-from warpgran.files import StorageError
+from warpgran.errors import OptionError
+from warpgran.files import StorageError, check_writable
 from warpgran.results.layout import Layout
-from warpgran.results.part_file import PartFile, copy_done, part_of
-from warpgran.results.reading import pending, reading
+from warpgran.results.output import result_path
+from warpgran.results.part_file import PartFile, check_unlocked, copy_done, part_of
+from warpgran.results.reading import pending
 from warpgran.run import threads
 from warpgran.run.options import Options
 from warpgran.run.outcome import Compute, Outcome, Progress, attributes
-from warpgran.run.resume import check_same, differences
+from warpgran.run.resume import check_replaceable, check_same, differences, done_of
 
 
 def run_to_file(
@@ -23,30 +25,38 @@ def run_to_file(
     *,
     runs: list[int] | None = None,
     resume: bool = False,
+    force: bool = False,
     progress: Progress = lambda runs: None,
     compute: Compute = threads.compute,
 ) -> Outcome:
     """Compute a study, or some runs of it, into a result file.
 
     While it runs the file is `path` with `.part` behind it, a sound HDF5 file at any moment; when all is computed, or
-    Ctrl-C is pressed, it takes its final form at `path`.
+    Ctrl-C is pressed, it takes its final form at `path`. A symbolic link at `path` stays; what it leads to is written.
 
     Args:
         study: What to compute.
-        path: The result file; one that is there already is replaced at the end.
+        path: The result file. A complete one of the same study, computed in the same way, is computed again and
+            replaced at the end, unless Ctrl-C is pressed before.
         options: How to compute.
         runs: Numbers of the runs; all by default.
         resume: Keep the runs that are done at `path` or in its part file, and compute the others. Without either file
             all are computed.
+        force: Replace whatever result or file is at `path`, but not one that the study reads.
         progress: Called with the number of runs done.
         compute: `threads.compute`, or another of its kind.
 
     Raises:
+        OptionError: Both to resume and to force.
         StorageError: The file cannot be written, is of another study, or holds runs that would be lost.
     """
+    if force and resume:
+        raise OptionError("force: begins anew, and resume goes on; allowed: one of them")
+    path = result_path(path, study.inputs)
     layout = Layout(study, runs)
     facts = layout.attributes(**attributes(options, Outcome()))
-    with _open(layout, path, facts, resume) as part:
+    with _open(layout, path, facts, resume, force) as part:
+        was_complete = not resume and not force and path.exists() and path.stat().st_size > 0
         try:
             missing = layout.runs[pending(part.status)].tolist()
             outcome = compute(part, options, missing, progress)
@@ -54,7 +64,11 @@ def run_to_file(
             if pending(part.status).all():
                 part.path.unlink()
             raise
-        part.finish(path, attributes(options, outcome))
+        outcome.spoiled = part.spoiled
+        if was_complete and pending(part.status).any():
+            part.path.unlink()
+        else:
+            part.finish(path, attributes(options, outcome))
     return outcome
 
 
@@ -83,32 +97,38 @@ def bring_up_to_date(
     Raises:
         StorageError: The file cannot be written.
     """
+    path = result_path(path, study.inputs)
     layout = Layout(study)
     facts = layout.attributes(**attributes(options, Outcome()))
     for found in (path, part_of(path)):
-        if found.exists() and differences(found, layout, facts) != []:
+        differs = differences(found, layout, facts) if found.exists() else []
+        if differs is None:
+            raise StorageError(f"cannot write {path}: {found} is there and is no result; remove it first")
+        if differs:
             found.unlink()
-    if path.exists() and not part_of(path).exists():
-        with reading(path) as file:
-            if not pending(file["status"][:]).any():
-                return True
+    if not part_of(path).exists():
+        done, runs = done_of(path)
+        if 0 < runs == done:
+            return True
     return not run_to_file(study, path, options, resume=True, progress=progress, compute=compute).interrupted
 
 
-def _open(layout: Layout, path: Path, facts: dict[str, Any], resume: bool) -> PartFile:
+def _open(layout: Layout, path: Path, facts: dict[str, Any], resume: bool, force: bool) -> PartFile:
     """The part file of `path`: the one that is there, or a new one, into which done runs of `path` are copied.
 
     Raises:
         StorageError: It cannot be written, is of another study, or holds runs that would be lost.
     """
     part = part_of(path)
-    if part.exists():
-        done, of = _done(part)
-        if resume:
-            check_same(part, layout, facts)
-            return PartFile(part, layout)
-        if done:
-            raise StorageError(f"{part} holds {done} of {of} runs of an earlier start: use --resume, or remove it")
+    trial = part.with_name(f".{part.name}.new")
+    check_writable(path, trial)
+    trial.unlink()
+    check_unlocked(part)
+    if resume and part.exists():
+        check_same(part, layout, facts)
+        return PartFile(part, layout)
+    if not resume and not force:
+        check_replaceable(path, part, layout, facts)
     file = PartFile(part, layout, facts)
     if resume and path.exists():
         try:
@@ -119,13 +139,3 @@ def _open(layout: Layout, path: Path, facts: dict[str, Any], resume: bool) -> Pa
             part.unlink()
             raise
     return file
-
-
-def _done(path: Path) -> tuple[int, int]:
-    """Runs of a file that are done, and all runs of it; 0 and 0 of a file that is no result."""
-    try:
-        with reading(path) as file:
-            status = file["status"][:]
-    except (OSError, KeyError):
-        return 0, 0
-    return int((~pending(status)).sum()), status.size

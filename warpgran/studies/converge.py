@@ -16,7 +16,6 @@ from warpgran.analysis.summary import summary
 from warpgran.case.case import Case
 from warpgran.case.problems import CaseError, Problem
 from warpgran.errors import OptionError, ResultError
-from warpgran.files import replacing
 from warpgran.run.options import Options
 from warpgran.run.simulate import simulate
 from warpgran.schema import CLEAN
@@ -83,9 +82,9 @@ class Convergence:
     def draw(self, path: Path) -> Path:
         """Draw the error of each quantity over the cells: .png, .pdf or .svg."""
         from warpgran.figures.refinement import draw_refinement
+        from warpgran.figures.style import save
 
-        with replacing(path) as part:
-            draw_refinement(self.quantities, self.case.grid.cells, WANTED).savefig(part, dpi=200)
+        save(draw_refinement(self.quantities, self.case.grid.cells, WANTED), path)
         return path
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from rich.table import Table
 
 from warpgran.figures.page import Page
+from warpgran.figures.style import save
 from warpgran.files import replacing
 from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
 from warpgran.verification.plots import style
@@ -81,8 +82,8 @@ def write(outcomes: Mapping[str, CheckResult], folder: Path, options: CheckOptio
         _errors_by_grid(page, outcome.rows)
         for file, figure in outcome.figures.items():
             path = folder / f"{file}.png"
-            with replacing(path) as part, style():
-                figure.savefig(part, dpi=160)
+            with style():
+                save(figure, path, dpi=160)
             page.picture(path, str(figure.get_label()))
         for file, text in outcome.run_files.items():
             with replacing(folder / file) as part:
