@@ -43,11 +43,12 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     texts = np.full(data.sizes["run"], data.attrs["case_toml"], dtype=object)
     data = data.assign_coords(case_toml=("run", texts))
     data["failure"] = data["failure"].astype(str)
-    waiting = data["status"] == Status.PENDING
+    waiting = data["status"].values == Status.PENDING
     if waiting.any():  # numbers not written yet read as 0
-        for name in data.data_vars:
-            if data[name].dims[:1] == ("run",) and data[name].dtype.kind == "f":
-                data[name] = data[name].where(~waiting)
+        from warpgran.results.pending_runs import without
+
+        of_runs = (name for name, values in data.items() if values.dims[:1] == ("run",) and values.dtype.kind == "f")
+        data = data.assign({name: without(data[name].variable, waiting) for name in of_runs})
     return data
 
 
