@@ -12,6 +12,7 @@ import numpy as np
 from warpgran.files import StorageError, check_readable, replacing
 from warpgran.results.datasets import describe_as
 from warpgran.results.layout import now
+from warpgran.results.part_file import CHECKS, Spent
 from warpgran.results.reading import check_schema
 
 SAME = (
@@ -56,6 +57,8 @@ def _opened(path: Path) -> h5py.File:
         raise StorageError(f"cannot read {path}: {error}") from None
     try:
         check_schema(path, file.attrs)
+        if CHECKS in file:
+            raise StorageError(f"cannot merge {path}: its runs are still being computed; go on with --resume")
     except StorageError:
         file.close()
         raise
@@ -66,7 +69,7 @@ def _join(files: Sequence[h5py.File], target: h5py.File, order: np.ndarray) -> N
     """Copy all datasets, their attributes and scales; order: of the runs of all files, one file after another."""
     first = files[0]
     target.attrs.update(first.attrs)
-    for name in ("cell_steps", "kernel_seconds", "wall_seconds"):
+    for name in Spent._fields:
         target.attrs[name] = sum(file.attrs[name] for file in files)
     target.attrs["history"] = f"{first.attrs['history']}\n{now()} merged from {len(files)} files by warpgran merge"
     for name in sorted(first, key=lambda name: not first[name].is_scale):
