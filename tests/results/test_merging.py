@@ -33,7 +33,7 @@ def shards(tmp_path: Path) -> list[Path]:
 
 
 def test_what_shards_took_is_added_and_the_history_says_so(shards: list[Path], tmp_path: Path) -> None:
-    assert merge(shards, tmp_path / "all.h5") == 3
+    assert merge(shards, tmp_path / "all.h5") == (3, [])
     parts, whole = [wg.open_dataset(path) for path in shards], wg.open_dataset(tmp_path / "all.h5")
     for name in ("cell_steps", "kernel_seconds", "wall_seconds"):
         assert whole.attrs[name] == pytest.approx(sum(part.attrs[name] for part in parts))

@@ -9,11 +9,14 @@ import h5py
 import numpy as np
 import pytest
 from helpers.cases import small
+from typer.testing import CliRunner
 
 import warpgran as wg
 from warpgran.case.read_study import read_study
 from warpgran.case.study import Study
+from warpgran.cli.app import app
 from warpgran.files import StorageError
+from warpgran.results.merging import merge
 from warpgran.results.part_file import part_of
 from warpgran.run import threads
 from warpgran.run.options import Options
@@ -216,3 +219,37 @@ def test_a_structure_that_is_spoiled_is_refused(path: Path) -> None:
     with pytest.raises(StorageError, match=r"cannot go on with .*out\.h5\.part: it is damaged"):
         run_to_file(study(), path, Options(), resume=True)
     run_to_file(study(), path, Options(), force=True)
+
+
+def test_a_merge_says_which_runs_are_missing_and_replaces_what_it_holds(tmp_path: Path) -> None:
+    shards = [tmp_path / f"{n}.h5" for n in range(4)]
+    for n, shard in enumerate(shards):
+        run_to_file(study(), shard, Options(), runs=[n])
+    out = tmp_path / "out.h5"
+    assert merge([shards[0], shards[2]], out) == (2, [1, 3])
+    assert merge(shards, out) == (4, [])
+    with pytest.raises(StorageError, match="it has 3 runs that these files have not; --force replaces it"):
+        merge(shards[:1], out)
+    assert merge(shards[:1], out, force=True) == (1, [1, 2, 3])
+    with pytest.raises(StorageError, match="it is read to compute the result"):
+        merge(shards, shards[0], force=True)
+    with pytest.raises(StorageError, match="it has 1 runs that these files have not"):
+        merge(shards[1:], shards[0])  # the output was forgotten
+    (tmp_path / "note").write_text("a note")
+    with pytest.raises(StorageError, match="is no result of this study"):
+        merge(shards, tmp_path / "note")
+
+
+def test_the_command_merge_exits_with_1_where_runs_are_missing(tmp_path: Path) -> None:
+    shard, out = tmp_path / "a.h5", tmp_path / "out.h5"
+    run_to_file(study(), shard, Options(), runs=[0, 1], compute=interrupted_at_once)
+    result = CliRunner().invoke(app, ["merge", str(out), str(shard)])
+    assert result.exit_code == 1
+    assert "3 runs of the study are missing: 1, 2, 3" in result.stderr
+
+
+def interrupted_at_once(sink: Any, options: Options, runs: Any, progress: Any) -> Outcome:
+    """threads.compute, interrupted after a run."""
+    outcome = threads.compute(sink, options, runs[:1], progress)
+    outcome.interrupted = True
+    return outcome

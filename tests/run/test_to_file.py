@@ -220,7 +220,7 @@ def test_shards_merge_to_the_whole(tmp_path: Path, whole: xr.Dataset) -> None:
     for i, path in enumerate(shards):
         run_to_file(study(), path, Options(), runs=list(range(i, 12, 3)))
     np.testing.assert_array_equal(wg.open_dataset(shards[1])["run"], [1, 4, 7, 10])
-    assert merge(shards[::-1], tmp_path / "out.h5") == 12
+    assert merge(shards[::-1], tmp_path / "out.h5") == (12, [])
     merged = done(tmp_path / "out.h5")
     xr.testing.assert_identical(merged, whole)
 

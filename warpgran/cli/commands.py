@@ -11,6 +11,9 @@ import typer
 from warpgran.cli.arguments import ResultFile
 from warpgran.cli.report import print_caveats, print_summary
 
+NAMED = 8
+"""Most missing runs that are named."""
+
 
 def info() -> None:
     """Print versions, devices, and the folder of compiled kernels."""
@@ -40,11 +43,11 @@ def summary(
 ) -> None:
     """Print a table of all runs: how each ended, run-out, height, dilation, stop time."""
     from warpgran.analysis.summary import summary, write_csv
-    from warpgran.results.reading import open_dataset
+    from warpgran.results.reading import opened
 
-    data = open_dataset(file)
-    print_caveats(data)
-    frame = summary(data)
+    with opened(file) as data:
+        print_caveats(data)
+        frame = summary(data)
     if csv:
         typer.echo(f"wrote {write_csv(frame, csv)}")
     else:
@@ -54,11 +57,17 @@ def summary(
 def merge(
     output: Annotated[Path, typer.Argument(metavar="OUT.h5", help="File to write.")],
     shards: Annotated[list[Path], typer.Argument(metavar="SHARD.h5...", help="Files written by run --shard.")],
+    force: Annotated[bool, typer.Option("--force", help="Replace what is there, whatever it is.")] = False,
 ) -> None:
-    """Merge the shards of a study into one result file."""
+    """Merge the shards of a study into one result file; exit status 1 if runs are missing."""
     from warpgran.results.merging import merge
-    from warpgran.results.reading import open_dataset
+    from warpgran.results.reading import opened
 
-    runs = merge(shards, output)
-    print_caveats(open_dataset(output))
-    typer.echo(f"wrote {output}, {runs} runs")
+    merged = merge(shards, output, force=force)
+    with opened(output) as data:
+        print_caveats(data)
+    typer.echo(f"wrote {output}, {merged.runs} runs")
+    if merged.missing:
+        which = ", ".join(map(str, merged.missing[:NAMED])) + (", ..." if len(merged.missing) > NAMED else "")
+        typer.echo(f"warpgran: {len(merged.missing)} runs of the study are missing: {which}", err=True)
+        raise typer.Exit(1)

@@ -20,11 +20,11 @@ def plot(
 ) -> None:
     """Plot one run (profiles at the snapshots, time series), or a batch (results over the swept keys)."""
     from warpgran.figures.plot import plot
-    from warpgran.results.reading import open_dataset
+    from warpgran.results.reading import opened
 
-    data = open_dataset(file)
-    made = plot(data, output or file.with_suffix(".png"), run=run)
-    print_caveats(data if run is None else data.isel(run=[run]))
+    with opened(file) as data:
+        made = plot(data, output or file.with_suffix(".png"), run=run)
+        print_caveats(data if run is None else data.isel(run=[run]))
     typer.echo(f"wrote {made}")
 
 
@@ -36,9 +36,10 @@ def animate(
 ) -> None:
     """Animate the snapshots of a run on its slope, coloured by volume fraction, as GIF or MP4."""
     from warpgran.figures.animation import animate
-    from warpgran.results.reading import open_dataset
+    from warpgran.results.reading import opened
 
-    made = animate(open_dataset(file), output or file.with_suffix(".gif"), run=run, fps=fps)
+    with opened(file) as data:
+        made = animate(data, output or file.with_suffix(".gif"), run=run, fps=fps)
     typer.echo(f"wrote {made}")
 
 

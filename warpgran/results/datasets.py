@@ -15,6 +15,8 @@ from warpgran.schema import Status, Variable
 
 STATUS_TYPE = h5py.enum_dtype({s.word: int(s) for s in Status}, basetype="i1")
 
+_HEADER, _TEXT = 4096, 64
+"""Most bytes of the header of a dataset with its attributes, and of a word, about."""
 OF_SCALES = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST")
 """Attributes by which HDF5 attaches dimension scales."""
 
@@ -26,6 +28,13 @@ def write_shared(file: h5py.File, layout: Layout) -> None:
         describe(file.create_dataset(name, data=values), schema)
     for key, (schema, column) in layout.parameters().items():
         describe(file.create_dataset(key, data=column), schema)
+
+
+def bytes_of_shared(layout: Layout) -> int:
+    """Most bytes that `write_shared` takes, and the headers of all variables."""
+    each = [*layout.dimensions().values(), *layout.shared().values(), *layout.parameters().values()]
+    numbers = sum(max(values.nbytes, _TEXT * values.size * (values.dtype.kind == "O")) for _, values in each)
+    return numbers + _HEADER * (len(each) + len(layout.columns))
 
 
 def write_dimensions(file: h5py.File, dimensions: Mapping[str, tuple[Variable, Array]]) -> None:

@@ -143,6 +143,7 @@ class Layout:
             "case_toml": base.to_toml(),
             **({"sensitivity": self.study.design} if self.study.design else {}),
             "identity": identity(base),
+            "study_runs": len(self.study),
             "warpgran_version": version("warpgran"),
             "warp_version": version("warp-lang"),
             "numpy_version": version("numpy"),

@@ -1,9 +1,9 @@
 """The result file of a running study, `NAME.part`.
 
-It is HDF5 whose structure is complete before the first run, every array at its final size and place. Runs then only
-write their numbers into those places, past the HDF5 library, then a checksum, and their status last; nothing else of
-the file is ever touched. Killed at any moment, it is therefore a sound file, which `--resume` completes. Once all runs
-are stored it is copied to the final name.
+It is HDF5 whose structure is complete before the first run, every array at its final size and place, in space that the
+disk has given. Runs then only write their numbers into those places, past the HDF5 library, then a checksum, and their
+status last; nothing else of the file is ever touched. Killed at any moment, it is therefore a sound file, which
+`--resume` completes. Once all runs are stored it is copied to the final name.
 
 What a disk or a copy has spoiled is found by checksums: one a run, and one of everything that is not a run's. They and
 the time that has been spent stand in the group CHECKS, which the finished file does not have.
@@ -25,10 +25,11 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.files import StorageError, check_place, check_writable, replacing
-from warpgran.results.datasets import STATUS_TYPE, describe, write_shared
+from warpgran.results.datasets import STATUS_TYPE, bytes_of_shared, describe, write_shared
 from warpgran.results.final_file import write_compressed
 from warpgran.results.layout import Layout, status_attributes
 from warpgran.results.reading import pending, reading
+from warpgran.results.reserving import reserving
 from warpgran.schema import Status
 
 CHECKS = "checks"
@@ -159,8 +160,8 @@ class PartFile:
         here = Spent(*(attributes[name] for name in Spent._fields))
         spent = self.before.plus(here)._asdict()
         with replacing(path, self._new) as final, _naming(path):
-            with reading(self.path) as source, h5py.File(final, "w") as target:
-                write_compressed(source, target, self.layout, self.status)
+            with reading(self.path) as source, reserving(final) as (target, reserve):
+                write_compressed(source, target, self.layout, self.status, reserve)
                 facts = {**attributes, **spent, "cell_steps": int(spent["cell_steps"])}
                 target.attrs.update({**source.attrs, **facts})
         self.path.unlink()
@@ -223,7 +224,8 @@ def check_unlocked(path: Path) -> None:
 
 
 def _create(path: Path, layout: Layout, attributes: Mapping[str, Any]) -> None:
-    with h5py.File(path, "w", locking=False) as file:
+    with reserving(path) as (file, reserve):
+        reserve(sum(_sizes(layout).values()) + bytes_of_shared(layout))
         file.attrs.update(attributes)
         write_shared(file, layout)
         for name, column in layout.columns.items():

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.files import StorageError, check_readable
-from warpgran.schema import SCHEMA_VERSION, Status
+from warpgran.results.soundness import check_sound
+from warpgran.schema import Status
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,19 +28,14 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
             computed yet are NaN.
 
     Raises:
-        StorageError: There is no such file, or it is not one of warpgran's, or of another version.
+        StorageError: There is no such file, or it is not one of warpgran's, or malformed, or of another version.
     """
     import xarray as xr
 
     path = Path(path)
-    check_readable(path)
-    try:
-        data = xr.open_dataset(path, engine="h5netcdf")
-    except FileNotFoundError:
-        raise StorageError(f"cannot read {path}: there is no such file") from None
-    except (OSError, ValueError) as error:
-        raise StorageError(f"cannot read {path}: it is not an HDF5 file ({error})") from None
-    check_schema(path, data.attrs)
+    with reading(path):
+        pass
+    data = xr.open_dataset(path, engine="h5netcdf")
     texts = np.full(data.sizes["run"], data.attrs["case_toml"], dtype=object)
     data = data.assign_coords(case_toml=("run", texts))
     data["failure"] = data["failure"].astype(str)
@@ -52,32 +48,57 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     return data
 
 
-def check_schema(path: Path, attributes: Mapping[str, Any]) -> None:
-    """Check that a file is a result of this schema, by its attributes.
+@contextmanager
+def opened(path: Path) -> Iterator[xr.Dataset]:
+    """`open_dataset`, for a block that uses the arrays: what cannot be read there is reported with the file's name.
 
     Raises:
-        StorageError: It is not.
+        StorageError: The file cannot be read, or some of its numbers.
     """
-    found = attributes.get("schema_version")
-    if not isinstance(found, int | np.integer):
-        raise StorageError(f"cannot read {path}: it is not a warpgran result")
-    if found != SCHEMA_VERSION:
-        what = "compute it again" if found < SCHEMA_VERSION else "update warpgran"
-        raise StorageError(
-            f"cannot read {path}: its schema is version {found}, this warpgran reads version {SCHEMA_VERSION}; {what}"
-        )
+    with open_dataset(path) as data, unspoiled(path):
+        yield data
+
+
+@contextmanager
+def unspoiled(path: Path) -> Iterator[None]:
+    """A block that reads numbers of a file.
+
+    Raises:
+        StorageError: The library cannot make sense of what is there.
+    """
+    try:
+        yield
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        raise StorageError(f"cannot read {path}: it is damaged ({error})") from error
 
 
 @contextmanager
 def reading(path: Path) -> Iterator[h5py.File]:
-    """A file open for reading, even if this process is writing it."""
+    """A result file open for reading.
+
+    Raises:
+        StorageError: It is not there, not a sound result, or another process holds it.
+    """
     check_readable(path)
-    try:
-        file = h5py.File(path, "r")
-    except OSError:
-        file = h5py.File(path, "r", locking=False)
-    with file:
+    with _open(path) as file:
+        check_sound(file, path)
         yield file
+
+
+def _open(path: Path) -> h5py.File:
+    try:
+        return h5py.File(path, "r")
+    except BlockingIOError:
+        raise StorageError(f"cannot read {path}: it is locked, since another process is writing it") from None
+    except OSError as error:
+        said = str(error)
+    if "No locks available" in said or "unable to lock" in said:  # a file system without locks
+        return h5py.File(path, "r", locking=False)
+    if "truncated" in said:
+        raise StorageError(f"cannot read {path}: it is truncated")
+    raise StorageError(f"cannot read {path}: it is not an HDF5 file ({said})")
 
 
 def pending(status: Array) -> Array:

@@ -59,7 +59,7 @@ def check_replaceable(path: Path, part: Path, layout: Layout, facts: Mapping[str
         if differs and (done or found == path):
             what = f"{found} is of another study, which differs in {', '.join(differs)}"
             raise StorageError(f"cannot write {path}: {what}; --force replaces it")
-        if done < runs and (done or found == path):
+        if 0 < done < runs:
             raise StorageError(
                 f"{found} holds {done} of {runs} runs of an earlier start: --resume computes the others, --force all"
             )
