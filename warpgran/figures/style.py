@@ -29,6 +29,7 @@ STYLE: Any = {
     "axes.labelsize": 8,
     "axes.linewidth": 0.6,
     "axes.formatter.useoffset": False,
+    "axes.titley": 1.0,  # where titles stand anyway; found by itself it takes a layout of all ticks
     "xtick.labelsize": 7.5,
     "ytick.labelsize": 7.5,
     "xtick.direction": "in",
