@@ -46,8 +46,8 @@ def main() -> None:
     for _ in range(1 + options.rounds):
         for picture, switch in PICTURES.items():
             for name, command in pairs:
-                times = measure([command, "run", str(RUN_FILE), switch])
-                found.setdefault((picture, name), []).append(times)
+                measured = measure([command, "run", str(RUN_FILE), switch])
+                found.setdefault((picture, name), []).append(measured)
     print(f"{'':34} least  median  processor, least [s]")
     for (picture, name), times in found.items():
         seconds, processor = zip(*times[1:], strict=True)

@@ -7,12 +7,10 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from warpgran.case.all_sections import ALL_SECTIONS
 from warpgran.case.case import Case
 from warpgran.case.distributions import Distribution
 from warpgran.case.model import KeyInfo
-from warpgran.case.sections import SECTIONS
-from warpgran.case.sensitivity_section import Sensitivity
-from warpgran.case.sweep_section import Sweep
 from warpgran.case.toml import plain, toml_value
 
 
@@ -22,8 +20,7 @@ def with_tables(page: str) -> str:
     Raises:
         ValueError: A heading or its table is missing.
     """
-    models = SECTIONS | {"sweep": Sweep, "sensitivity": Sensitivity}
-    sections = {f"`[{name}]`": model.described() for name, model in models.items()}
+    sections = {f"`[{name}]`": model.described() for name, model in ALL_SECTIONS.items()}
     sections |= {
         "Top level": {"title": KeyInfo.of(Case.model_fields["title"])},
         "Distributions": Distribution.described(),

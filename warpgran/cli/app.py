@@ -16,6 +16,7 @@ from warpgran.cli.converge import converge
 from warpgran.cli.pictures import animate, plot
 from warpgran.cli.reproduce import reproduce
 from warpgran.cli.run import run
+from warpgran.cli.run_files import new, schema
 from warpgran.cli.verify import verify
 from warpgran.errors import WarpgranError
 
@@ -66,7 +67,7 @@ def options(
     """Granular collapses with dilatancy: a depth-averaged compressible mu(I) model."""
 
 
-for command in (run, check, info, plot, animate, summary, merge, converge, verify, reproduce):
+for command in (new, run, check, info, plot, animate, summary, merge, converge, verify, reproduce, schema):
     app.command()(command)
 
 
