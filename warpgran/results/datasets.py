@@ -1,6 +1,7 @@
 """Datasets of a result file, in the part file and the finished one alike: HDF5 with dimension scales.
 
-So h5py, xarray, netCDF4 and MATLAB read them. All stand in the root of the file.
+So h5py, xarray, netCDF4, R and MATLAB read them. All stand in the root of the file. No type is an enum of HDF5, such as
+h5py makes of truth values: R leaves out what has one.
 """
 
 from __future__ import annotations
@@ -8,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 import h5py
+import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.results.layout import Layout
-from warpgran.schema import Status, Variable
-
-STATUS_TYPE = h5py.enum_dtype({s.word: int(s) for s in Status}, basetype="i1")
+from warpgran.schema import Variable
 
 _HEADER, _TEXT = 4096, 64
 """Most bytes of the header of a dataset with its attributes, and of a word, about."""
@@ -27,7 +27,11 @@ def write_shared(file: h5py.File, layout: Layout) -> None:
     for name, (schema, values) in layout.shared().items():
         describe(file.create_dataset(name, data=values), schema)
     for key, (schema, column) in layout.parameters().items():
-        describe(file.create_dataset(key, data=column), schema)
+        truth = column.dtype == bool
+        data = file.create_dataset(key, data=column.astype(np.int8) if truth else column)
+        describe(data, schema)
+        if truth:
+            data.attrs["dtype"] = "bool"  # by which xarray knows it
 
 
 def bytes_of_shared(layout: Layout) -> int:

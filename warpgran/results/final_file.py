@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from warpgran.arrays import Array
-from warpgran.results.datasets import STATUS_TYPE, bytes_of_shared, describe, write_shared
+from warpgran.results.datasets import bytes_of_shared, describe, write_shared
 from warpgran.results.layout import Layout, status_attributes
 from warpgran.results.reserving import Reserve, bytes_of
 from warpgran.schema import Status
@@ -41,8 +41,7 @@ def write_compressed(
             values = source[name][:]
             if column.dtype.kind == "f":
                 values = np.where(done.reshape(-1, *[1] * len(column.shape)), values, np.nan)
-            dtype = STATUS_TYPE if name == "status" else column.dtype
-            data = target.create_dataset(name, data=values, dtype=dtype)
+            data = target.create_dataset(name, data=values, dtype=column.dtype)
         describe(data, column.schema, layout.coordinates(name))
     target["status"].attrs.update(status_attributes())
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.files import StorageError, check_place, check_writable, replacing
-from warpgran.results.datasets import STATUS_TYPE, bytes_of_shared, describe, write_shared
+from warpgran.results.datasets import bytes_of_shared, describe, write_shared
 from warpgran.results.final_file import write_compressed
 from warpgran.results.layout import Layout, status_attributes
 from warpgran.results.reading import pending, reading
@@ -229,8 +229,8 @@ def _create(path: Path, layout: Layout, attributes: Mapping[str, Any]) -> None:
         file.attrs.update(attributes)
         write_shared(file, layout)
         for name, column in layout.columns.items():
-            shape, dtype = (layout.runs.size, *column.shape), STATUS_TYPE if name == "status" else column.dtype
-            describe(_reserved(file, name, shape, dtype), column.schema, layout.coordinates(name))
+            data = _reserved(file, name, (layout.runs.size, *column.shape), column.dtype)
+            describe(data, column.schema, layout.coordinates(name))
         file["status"][:] = np.full(layout.runs.size, Status.PENDING, dtype=np.int8)
         file["status"].attrs.update(status_attributes())
         file.create_group(CHECKS)
