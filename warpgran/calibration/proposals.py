@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cholesky
 from scipy.special import logsumexp
 
 from warpgran.arrays import Array
@@ -42,13 +42,14 @@ class Mixture:
         deviations = points - self.mean
         covariance = (deviations.T * self._weights) @ deviations / (1.0 - self._weights @ self._weights)
         self.factor = cholesky(covariance, lower=True)
+        self._whitening = np.linalg.inv(self.factor).T  # a triangular solve wakes all threads of BLAS, each time
         self._white = self.whiten(points)
         scores = [self._weights @ self._log_density(self._white, width, others_alone=True) for width in WIDTHS]
         self.width = WIDTHS[int(np.argmax(scores))]
 
     def whiten(self, points: Array) -> Array:
         """Points (n, d) in coordinates in which the mixture has mean 0 and covariance 1."""
-        return solve_triangular(self.factor, (points - self.mean).T, lower=True).T
+        return (points - self.mean) @ self._whitening
 
     def log_density(self, points: Array) -> Array:
         """Log density (n,) at points (n, d), up to a constant."""
