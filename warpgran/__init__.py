@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from warpgran.case.read_study import read_study as read_study
     from warpgran.case.study import Study as Study
     from warpgran.case.tables import TableError as TableError
+    from warpgran.errors import CaveatWarning as CaveatWarning
     from warpgran.errors import OptionError as OptionError
     from warpgran.errors import ResultError as ResultError
     from warpgran.errors import WarpgranError as WarpgranError
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 _HOME = {
     "Case": "case.case",
     "CaseError": "case.problems",
+    "CaveatWarning": "errors",
     "ClusterError": "run.cluster",
     "DeviceError": "solve.device",
     "OptionError": "errors",

@@ -5,6 +5,10 @@ class WarpgranError(Exception):
     """Base of every error that a user can cause. The text says what is wrong and what is allowed, a line a problem."""
 
 
+class CaveatWarning(UserWarning):
+    """A case with a value that is unlikely, or a result that holds with a reserve; the text says which."""
+
+
 class OptionError(WarpgranError, ValueError):
     """An option or argument is unknown or out of range."""
 

@@ -121,7 +121,9 @@ def test_the_step_limit_is_told_and_kept(folder: Path) -> None:
     result = warpgran("run", "quick.toml", "--set", "time.step_limit=5")
     assert result.exit_code == 1
     assert "step_limit" in result.stdout
-    assert result.stderr.startswith("warpgran: run 0 reached its step limit, 5 steps, at t = ")
+    before, after, *_ = result.stderr.splitlines()
+    assert before.startswith("warpgran: warning: time.step_limit: 5 is reached before time.end; likely: more than ")
+    assert after.startswith("warpgran: run 0 reached its step limit, 5 steps, at t = ")
     assert int(wg.open_dataset("quick.h5")["steps"][0]) == 5
 
 
@@ -209,7 +211,7 @@ def test_so_is_what_the_system_refuses(
 
 
 def raising(error: Exception) -> Callable[..., None]:
-    def raise_(*arguments: object) -> None:
+    def raise_(*arguments: object, **options: object) -> None:
         raise error
 
     return raise_
@@ -225,7 +227,7 @@ def test_a_defect_keeps_its_traceback(folder: Path, monkeypatch: pytest.MonkeyPa
 def test_python_prints_that_traceback(folder: Path) -> None:
     code = (
         "from warpgran.case import read_study\n"
-        "def read(*arguments): raise ValueError('ours')\n"
+        "def read(*arguments, **options): raise ValueError('ours')\n"
         "read_study.read_study = read\n"
         "from warpgran.cli.app import main\n"
         "main()\n"

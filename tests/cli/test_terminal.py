@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+from helpers.places import ROOT
+from typer.testing import CliRunner
+
+from warpgran.cli.app import app
 
 CODE = """
 from warpgran.cli.terminal import progress_bar
@@ -29,3 +35,23 @@ def test_a_bar_keeps_to_the_terminal() -> None:
 def test_without_a_terminal_there_is_no_bar() -> None:
     done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("printed meanwhile\n", "")
+
+
+TITLE = 'title = "\\u001b[31m[/red] :smile: $x_{\\u0007 \\u009b2J"\n'
+
+
+@pytest.mark.slow
+def test_a_title_cannot_steer_the_terminal_or_break_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.toml").write_text(TITLE + "[time]\nend = 0.05\n[grid]\ncells = 400\n")
+    for command in ("check", "run", "summary", "plot", "converge"):
+        result = CliRunner().invoke(app, [command, "a.h5" if command in ("summary", "plot") else "a.toml"])
+        assert result.exit_code == 0, result.output
+        assert all(character.isprintable() or character == "\n" for character in result.output)
+        assert r"\x1b[31m[/red] :smile: $x_{\x07 \x9b2J" in result.output or command in ("summary", "plot")
+
+
+def test_the_command_line_writes_in_one_place() -> None:
+    for path in (ROOT / "warpgran" / "cli").glob("*.py"):
+        if path.name != "terminal.py":
+            assert not re.search(r"typer\.echo\(|(?<![._])print\(|\bclick\.echo\(", path.read_text()), path.name

@@ -17,6 +17,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
+from warpgran.case.problems import CaseError, Problem
+
+LEAST, MOST = 1e-30, 1e30
+"""Sizes of the numbers of a run file that are not 0, whatever the unit."""
 MM = ("mm", 1e3)
 MM_PER_S = ("mm/s", 1e3)
 
@@ -151,6 +155,19 @@ class Model(BaseModel):
         if not isinstance(data, Mapping):
             return data
         return {k: v.tolist() if isinstance(v, np.generic | np.ndarray) else v for k, v in data.items()}
+
+    @model_validator(mode="after")
+    def _sizes(self) -> Model:
+        """Numbers whose products and quotients leave the range of floating point are no quantity in SI units."""
+        wrong = []
+        for name, held in self.__dict__.items():
+            for value in held if isinstance(held, tuple) else (held,):
+                if isinstance(value, float) and value and not LEAST <= abs(value) <= MOST:
+                    message = f"{value} is out of range; allowed: 0, or a size from {LEAST:g} to {MOST:g}"
+                    wrong.append(Problem(self.keys()[name], message))
+        if wrong:
+            raise CaseError(wrong)
+        return self
 
     @classmethod
     def keys(cls) -> dict[str, str]:

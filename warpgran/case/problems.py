@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import date, time
 from difflib import get_close_matches
 from typing import Any
@@ -75,6 +75,11 @@ def shown(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def values_in_words(values: Mapping[str, Any]) -> str:
+    """`slope.angle = 100, rheology.phi_eq = "f0"` of the values of a run by key."""
+    return ", ".join(f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {shown(v)}" for k, v in values.items())
+
+
 def unknown_key(key: str, known: Iterable[str]) -> Problem:
     """The problem of a key that does not exist, with the nearest one that does."""
     names = list(known)
@@ -117,7 +122,7 @@ def _plain(
 ) -> list[Problem]:
     cause = context.get("error")
     if isinstance(cause, CaseError):
-        return cause.problems
+        return [replace(problem, key=dotted((*location, problem.key))) for problem in cause.problems]
     if isinstance(cause, TableError):
         return [Problem(dotted(location), message) for message in cause.messages]
     lacks_element = kind == "missing" and isinstance(location[-1], int)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from warpgran.case.case import Case
-from warpgran.case.problems import CaseError, Problem, shown
+from warpgran.case.problems import CaseError, Problem, values_in_words
+from warpgran.case.sampled_runs import sampled_runs
 from warpgran.case.sensitivity_design import design_values
 from warpgran.case.sensitivity_section import Sensitivity, read_sensitivity, time_problems
 from warpgran.case.study import Study
@@ -21,12 +22,24 @@ from warpgran.case.validation import read_tables
 _MOST_MESSAGES = 5
 
 
-def read_study(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Study:
+Examined = Callable[[int, int], None]
+"""Called now and then with the number of runs examined and of those to be."""
+
+
+def read_study(
+    path: str | os.PathLike[str],
+    overrides: Sequence[str] = (),
+    *,
+    most: int | None = None,
+    examined: Examined = lambda done, total: None,
+) -> Study:
     """Read a run file, with or without a `[sweep]` or a `[sensitivity]`, and check every run of it.
 
     Args:
         path: The file, UTF-8. Paths in it start from its folder.
         overrides: `KEY=VALUE` as for `Case.from_toml`; keys of these sections too: `sweep.over.slope.angle=[0, 10]`.
+        most: Runs to check about as many of, where there are more: those of `sampled_runs`. By default all.
+        examined: Called with the progress.
 
     Raises:
         CaseError: Lists everything that is wrong, each line beginning with the file's name; problems of single
@@ -39,7 +52,7 @@ def read_study(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> S
     problems += flatten(data)  # again, for an override can set all of sweep.over
     overridden = [text.partition("=")[0].strip() for text in overrides]
     folder, section = Path(where).parent, data.get("sweep")
-    study = _study(data, problems, folder, source, where, overridden)
+    study = _study(data, problems, folder, source, where, overridden, most, examined)
     tables = [table.path for table in (study.base.slope.bed, study.base.column.profile) if table and table.path]
     samples = [section["from"]] if isinstance(section, dict) and "from" in section else []
     study.inputs = (Path(where), *(folder / name for name in (*tables, *samples)))
@@ -89,6 +102,8 @@ def _study(
     source: str,
     where: str = "",
     overridden: Sequence[str] = (),
+    most: int | None = None,
+    examined: Examined = lambda done, total: None,
 ) -> Study:
     """The study that the data ask for, or a CaseError with every problem, those already found first.
 
@@ -119,7 +134,11 @@ def _study(
     unread = read_tables(data, folder)
     data = without(data, {problem.key for problem in unread})
     of_file = list(_file_problems(data, unread, set(columns), folder))
-    of_runs = _run_problems(data, columns, of_file, folder) if columns else []
+    of_runs: list[Problem] = []
+    if columns:
+        runs = len(next(iter(columns.values())))
+        chosen = sampled_runs(columns, runs, most or runs)
+        of_runs = _run_problems(data, columns, chosen, of_file, folder, examined)
     if problems or of_file or of_runs:
         raise CaseError([*problems, *of_file, *of_runs], where)
     for key, values in columns.items():
@@ -156,16 +175,22 @@ def _file_problems(data: dict[str, Any], known: list[Problem], swept: set[str], 
 
 
 def _run_problems(
-    data: dict[str, Any], columns: Mapping[str, Sequence[Any]], of_file: list[Problem], folder: Path
+    data: dict[str, Any],
+    columns: Mapping[str, Sequence[Any]],
+    runs: Sequence[int],
+    of_file: list[Problem],
+    folder: Path,
+    examined: Examined,
 ) -> list[Problem]:
-    """Problems of single runs: each once, with the first run that has it; a few, then a count."""
+    """Problems of these runs: each once, with the first run that has it; a few, then a count."""
     known = [problem for problem in of_file if problem.key not in columns]
     reported = set(of_file)
-    runs = len(next(iter(columns.values())))
     first: dict[Problem, int] = {}
     times: dict[Problem, int] = {}
     more = invalid = 0
-    for run in range(runs):
+    for done, run in enumerate(runs):
+        if done % 1000 == 0:
+            examined(done, len(runs))
         for key, values in columns.items():
             set_key(data, key, values[run])
         found = [problem for problem in _found(data, known, folder) if problem not in reported]
@@ -182,15 +207,11 @@ def _run_problems(
         for problem, run in first.items()
     ]
     if more:
-        problems.append(Problem("", f"and {more} more like these; {invalid} of {runs} runs cannot be run"))
+        problems.append(Problem("", f"and {more} more like these; {invalid} of {len(runs)} runs cannot be run"))
     return problems
 
 
 def _where(columns: Mapping[str, Sequence[Any]], run: int, times: int) -> str:
     """`run 3: slope.angle = 100, column.phi = 0.62`."""
-    swept = []
-    for key, values in columns.items():
-        value = values[run]
-        swept.append(f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {shown(value)}")
     count = f"{times} runs, the first is " if times > 1 else ""
-    return f"{count}run {run}: {', '.join(swept)}"
+    return f"{count}run {run}: {values_in_words({key: values[run] for key, values in columns.items()})}"

@@ -23,7 +23,7 @@ def series(time: Time) -> Every | tuple[float, ...]:
 
 
 def _parts(end: float, count: int) -> Every:
-    return Every(every=float(f"{end / count:.12g}"))  # 0.009, not 0.009000000000000001
+    return Every.model_construct(every=float(f"{end / count:.12g}"))  # 0.009, not 0.009000000000000001
 
 
 def snapshot_times(time: Time) -> tuple[float, ...]:

@@ -44,7 +44,7 @@ def override(data: dict[str, Any], text: str) -> Problem | None:
         return Problem("", f"override {shown(text)} is not KEY=VALUE")
     try:
         parsed = tomllib.loads(f"value = {raw}")
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, RecursionError):  # ValueError: no TOML, or a whole number of thousands of digits
         parsed = {}
     only_a_value = parsed.keys() == {"value"}  # a line break in the text could bring in more keys
     return set_key(data, key.strip(), parsed["value"] if only_a_value else raw.strip())

@@ -17,6 +17,7 @@ from warpgran.cli.pictures import animate, plot
 from warpgran.cli.reproduce import reproduce
 from warpgran.cli.run import run
 from warpgran.cli.run_files import new, schema
+from warpgran.cli.terminal import say, tell
 from warpgran.cli.verify import verify
 from warpgran.errors import WarpgranError
 
@@ -36,8 +37,8 @@ class Reporting(TyperGroup):
             by_user = isinstance(error, WarpgranError | MemoryError) or error.filename
             if ctx.params["debug"] or not by_user:
                 raise
-            for line in (str(error) or "out of memory").splitlines():
-                typer.echo(f"warpgran: {line}", err=True)
+            for line in (str(error) or "out of memory").split("\n"):
+                tell(line)
             raise typer.Exit(2) from None
 
 
@@ -53,7 +54,7 @@ def _print_version(asked: bool) -> None:
     if asked:
         from importlib.metadata import version
 
-        typer.echo(f"warpgran {version('warpgran')}")
+        say(f"warpgran {version('warpgran')}")
         raise typer.Exit
 
 

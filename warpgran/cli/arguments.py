@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -48,24 +49,27 @@ def shard_of(text: str | None, runs: int) -> tuple[list[int], str]:
     if text is None:
         return list(range(runs)), ""
     first, _, of = text.partition("/")
-    if not (first.isdigit() and of.isdigit() and 1 <= int(first) <= int(of) <= runs):
+    if not (first.isdecimal() and of.isdecimal() and 1 <= int(first) <= int(of) <= runs):
         raise OptionError(
-            f"shard: {text!r} is not a share; allowed: I/N with 1 <= I <= N <= {runs}, the number of runs"
+            f"shard: {text!r} is not a shard; allowed: I/N with 1 <= I <= N <= {runs}, the number of runs"
         )
     return list(range(int(first) - 1, runs, int(of))), f".{int(first)}-of-{int(of)}"
 
 
 def bytes_of(text: str | None) -> float | None:
-    """Parse `--memory SIZE`: "500MB", "4GB" or "1.5GiB" in bytes, with prefixes of powers of 1000.
+    """Parse `--memory SIZE` in bytes: "500MB" and "4GB" in powers of 1000, "1.5GiB" and "4Gi" in powers of 1024.
 
     Raises:
         OptionError: It is not a size.
     """
     if text is None:
         return None
-    number = text.rstrip("BbIi").rstrip()
-    unit = {"K": 3, "M": 6, "G": 9, "T": 12}.get(number[-1:].upper(), 0)
+    size = re.fullmatch(r"\s*([0-9.]+(?:e[+-]?[0-9]+)?)\s*(?:([kmgt])(i?))?b?\s*", text, re.IGNORECASE | re.ASCII)
     try:
-        return float(number[:-1] if unit else number) * 10.0**unit
+        if size is None:
+            raise ValueError
+        number, prefix, binary = size.groups()
+        power = " KMGT".index((prefix or " ").upper())
+        return float(number) * float(1024 if binary else 1000) ** power
     except ValueError:
-        raise OptionError(f"memory: {text!r} is not a size; allowed: a number of bytes, or as 500MB, 4GB") from None
+        raise OptionError(f"memory: {text!r} is not a size; allowed: a number of bytes, or as 500MB, 4GiB") from None

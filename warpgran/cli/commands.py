@@ -10,6 +10,7 @@ import typer
 
 from warpgran.cli.arguments import ResultFile
 from warpgran.cli.report import print_caveats, print_summary
+from warpgran.cli.terminal import say, tell
 
 NAMED = 8
 """Most missing runs that are named."""
@@ -28,13 +29,13 @@ def info() -> None:
     from warpgran.solve.variant import variant_of
 
     start_quietly()
-    typer.echo(f"warpgran {version('warpgran')}, warp {wp.__version__}, numpy {version('numpy')}")
-    typer.echo(f"python {sys.version.split()[0]}, {sys.platform}")
+    say(f"warpgran {version('warpgran')}, warp {wp.__version__}, numpy {version('numpy')}")
+    say(f"python {sys.version.split()[0]}, {sys.platform}")
     for alias, name, memory in devices():
         sizes = {kind: bytes_of_run(1000, Outputs.none(), variant_of(Case(), kind)) for kind in ("float64", "float32")}
         runs = [f"{memory * 2**30 / each:,.0f} in {kind}" for kind, each in sizes.items()]
-        typer.echo(f"device {alias}: {name}, {memory:.1f} GiB: runs of 1000 cells that fit: {', '.join(runs)}")
-    typer.echo(f"compiled kernels: {wp.config.kernel_cache_dir}")
+        say(f"device {alias}: {name}, {memory:.1f} GiB: runs of 1000 cells that fit: {', '.join(runs)}")
+    say(f"compiled kernels: {wp.config.kernel_cache_dir}")
 
 
 def summary(
@@ -49,7 +50,7 @@ def summary(
         print_caveats(data)
         frame = summary(data)
     if csv:
-        typer.echo(f"wrote {write_csv(frame, csv)}")
+        say(f"wrote {write_csv(frame, csv)}")
     else:
         print_summary(frame)
 
@@ -66,8 +67,8 @@ def merge(
     merged = merge(shards, output, force=force)
     with opened(output) as data:
         print_caveats(data)
-    typer.echo(f"wrote {output}, {merged.runs} runs")
+    say(f"wrote {output}, {merged.runs} runs")
     if merged.missing:
         which = ", ".join(map(str, merged.missing[:NAMED])) + (", ..." if len(merged.missing) > NAMED else "")
-        typer.echo(f"warpgran: {len(merged.missing)} runs of the study are missing: {which}", err=True)
+        tell(f"{len(merged.missing)} runs of the study are missing: {which}")
         raise typer.Exit(1)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from warpgran.cli.arguments import Device, Precision, RunFile, Set
-from warpgran.cli.terminal import stdout
+from warpgran.cli.report import warn_of
+from warpgran.cli.terminal import read, say, stdout
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -32,7 +33,6 @@ def converge(
     set_: Set = None,
 ) -> None:
     """Measure how fine a grid must be: a run on half, the same and twice the cells, orders, limits and errors."""
-    from warpgran.case.read_study import read_study
     from warpgran.errors import OptionError
     from warpgran.figures.style import PLOT_SUFFIXES, checked
     from warpgran.files import MARK, check_ours, check_place, replacing
@@ -40,9 +40,10 @@ def converge(
     from warpgran.solve.device import find_device, start_quietly
     from warpgran.studies.converge import converge
 
-    study = read_study(file, set_ or ())
+    study = read(file, set_)
     if len(study) > 1:
         raise OptionError(f"{file}: is a sweep of {len(study)} runs; allowed: a single run, so take the sweep out")
+    warn_of(study)
     path = checked(output or Path(f"{file.stem}_convergence.png"), PLOT_SUFFIXES)
     heading = b"quantity,"
     for target, mark in ((path, MARK), *([(csv, heading)] if csv else [])):
@@ -52,15 +53,15 @@ def converge(
     find_device(device)
     found = converge(study.base, levels=levels, options=Options(device, precision))
     if study.base.title:
-        typer.echo(study.base.title)
+        say(study.base.title)
     stdout(WIDTH).print(_table(found))
-    typer.echo(found.verdict())
+    say(found.verdict())
     written = [str(found.draw(path))]
     if csv:
         with replacing(csv, ours=heading) as part:
             found.table().to_csv(part, index_label="quantity", lineterminator="\n")
         written.append(str(csv))
-    typer.echo(f"wrote {' and '.join(written)}")
+    say(f"wrote {' and '.join(written)}")
 
 
 def _table(found: Convergence) -> Table:

@@ -8,6 +8,7 @@ import typer
 
 from warpgran.cli.arguments import Picture, ResultFile
 from warpgran.cli.report import print_caveats
+from warpgran.cli.terminal import say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +26,7 @@ def plot(
     with opened(file) as data:
         made = plot(data, output or file.with_suffix(".png"), run=run)
         print_caveats(data if run is None else data.isel(run=[run]))
-    typer.echo(f"wrote {made}")
+    say(f"wrote {made}")
 
 
 def animate(
@@ -40,7 +41,7 @@ def animate(
 
     with opened(file) as data:
         made = animate(data, output or file.with_suffix(".gif"), run=run, fps=fps)
-    typer.echo(f"wrote {made}")
+    say(f"wrote {made}")
 
 
 def worth_drawing(data: xr.Dataset) -> bool:

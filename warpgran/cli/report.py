@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import typer
-
-from warpgran.cli.terminal import stdout
+from warpgran.cli.terminal import say, stdout, tell
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,18 +24,26 @@ def report(study: Study, data: xr.Dataset, outcome: Outcome) -> None:
 
     if outcome.spoiled:
         were = "1 run was" if outcome.spoiled == 1 else f"{outcome.spoiled} runs were"
-        typer.echo(f"warpgran: {were} damaged in the file of the earlier start, and computed again", err=True)
+        tell(f"{were} damaged in the file of the earlier start, and computed again")
     print_caveats(data)
     if study.base.title:
-        typer.echo(study.base.title)
+        say(study.base.title)
     print_summary(summary(data))
     if outcome.kernel_seconds > 0.0:
         steps, seconds = outcome.cell_steps / 1e6, outcome.kernel_seconds
-        typer.echo(f"{steps:.1f} million cell-steps in {seconds:.3f} s: {steps / seconds:.1f} million a second")
+        say(f"{steps:.1f} million cell-steps in {seconds:.3f} s: {steps / seconds:.1f} million a second")
     if outcome.interrupted:
         partial = pending(data["status"].values).any()
         what = "go on with --resume" if partial else "the file is complete, of this start or an earlier one"
-        typer.echo(f"warpgran: interrupted; {what}", err=True)
+        tell(f"interrupted; {what}")
+
+
+def warn_of(study: Study) -> None:
+    """Say on standard error what is unlikely of a study."""
+    from warpgran.case.unlikely import unlikely
+
+    for line in unlikely(study):
+        tell(f"warning: {line}")
 
 
 def print_caveats(data: xr.Dataset) -> None:
@@ -45,7 +51,7 @@ def print_caveats(data: xr.Dataset) -> None:
     from warpgran.analysis.caveats import messages
 
     for line in messages(data):
-        typer.echo(f"warpgran: {line}", err=True)
+        tell(line)
 
 
 def print_summary(frame: pd.DataFrame) -> None:

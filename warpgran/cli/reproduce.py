@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from warpgran.cli.arguments import Devices, Folder, Precision, Set
-from warpgran.cli.terminal import progress_bar
+from warpgran.cli.terminal import progress_bar, say, tell
 from warpgran.errors import OptionError
 
 
@@ -51,6 +51,6 @@ def reproduce(
         with progress_bar() as show:
             page = reproduce(plan, lambda name, runs, done: show(done, runs, name), print)
     except KeyboardInterrupt:
-        typer.echo("warpgran: interrupted; what was computed is kept, start again to resume", err=True)
+        tell("interrupted; what was computed is kept, start again to resume")
         raise typer.Exit(130) from None
-    typer.echo(f"wrote {page}")
+    say(f"wrote {page}")

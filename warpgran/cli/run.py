@@ -14,8 +14,8 @@ import typer
 
 from warpgran.cli.arguments import Devices, Precision, RunFile, Set, bytes_of, shard_of
 from warpgran.cli.pictures import worth_drawing
-from warpgran.cli.report import report
-from warpgran.cli.terminal import study_bar
+from warpgran.cli.report import report, warn_of
+from warpgran.cli.terminal import read, say, study_bar, tell
 from warpgran.errors import OptionError
 
 if TYPE_CHECKING:
@@ -52,7 +52,6 @@ def run(
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Plot the result beside the file.")] = True,
 ) -> None:
     """Compute a run file: an HDF5 file, a picture and a short table."""
-    from warpgran.case.read_study import read_study
     from warpgran.files import check_ours, check_place
     from warpgran.results.output import result_path
     from warpgran.results.reading import open_dataset
@@ -60,7 +59,8 @@ def run(
     from warpgran.run.to_file import run_to_file
 
     how = Options(device=device, precision=precision, engine=engine, threads=threads, memory=bytes_of(memory))
-    study = read_study(file, set_ or ())
+    study = read(file, set_)
+    warn_of(study)
     runs, infix = shard_of(shard, len(study))
     path = output or Path(f"{file.stem}{infix}.h5")
     if picture:
@@ -85,7 +85,7 @@ def run(
 
         written.append(str(plot(data, path.with_suffix(".png"))))
     report(study, data, outcome)
-    typer.echo(f"wrote {' and '.join(written)}")
+    say(f"wrote {' and '.join(written)}")
     raise typer.Exit(130 if outcome.interrupted else exit_status(data["status"].values))
 
 
@@ -112,7 +112,7 @@ def _computing(cluster: str | None, how: Options) -> Iterator[Compute]:
 
     with connect(cluster) as client:
         if not threads_of(client):
-            typer.echo(f"warpgran: {cluster} has no worker yet; waiting for one", err=True)
+            tell(f"{cluster} has no worker yet; waiting for one")
         yield partial(compute, client=client)
 
 

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from warpgran.cli.terminal import say
 from warpgran.errors import OptionError
 
 
@@ -22,11 +23,11 @@ def new(
         raise OptionError(f"{file} is there already, and is left as it is; name another file")
     with replacing(file) as part:
         part.write_text(starter(file.name, full=full), encoding="utf-8")
-    typer.echo(f"wrote {file}; next: warpgran run {file}")
+    say(f"wrote {file}; next: warpgran run {file}")
 
 
 def schema() -> None:
     """Print the JSON schema of run files, for editors that check and complete TOML."""
     from warpgran.case.json_schema import text
 
-    typer.echo(text(), nl=False)
+    say(text(), nl=False)

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from warpgran.analysis.units import LengthUnit, typical, unit_of
 from warpgran.case.defaults import FOLLOWS
+from warpgran.printable import printable
 
 GAP = 2  # between columns, characters
 PRINTED = {  # columns with a unit: heading, SI unit; fractions are printed in %
@@ -66,7 +67,7 @@ def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Tab
     notes = [f"{runs - shown.size} of {runs} runs are left out"] if shown.size < runs else []
     notes += [", ".join(f"{count} {word}" for word, count in counts.items())] if len(counts) > 1 else []
     notes += [note for caveat, (_, note) in MARKS.items() if frame[caveat].iloc[shown].any()]
-    notes += [f"without {', '.join(left_out)}, for want of room"] if left_out else []
+    notes += [f"without {printable(', '.join(left_out))}, for want of room"] if left_out else []
     table.caption, table.caption_justify = "\n".join(notes) or None, "left"
     return table
 
@@ -76,6 +77,7 @@ def _column(name: str, values: np.ndarray, length: LengthUnit | None) -> tuple[s
     section, _, key = name.rpartition(".")
     title, unit = PRINTED.get(name, (key, ""))
     unit, factor = length or (unit, 100.0 if unit == "%" else 1.0)
+    section, title = printable(section), printable(title)
     heading = f"{section}.\n{title}" if section else f"{title}\n({unit})" if unit else f"{title}\n"
     return heading, [_cell(value, factor, DIGITS.get(unit, ".4g")) for value in values.tolist()]
 
@@ -93,7 +95,7 @@ def _mark(columns: dict[str, tuple[str, list[str]]], shown: pd.DataFrame) -> Non
 def _cell(value: Any, factor: float, form: str) -> str:
     """A value as it is printed."""
     if not isinstance(value, float):
-        return str(value)
+        return printable(str(value))
     if math.isnan(value):
         return "-"
     return format(factor * value, form if abs(factor * value) < 1e5 else ".3g")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from warpgran.cli.arguments import Device, Folder, Precision
-from warpgran.cli.terminal import progress_bar, stdout
+from warpgran.cli.terminal import progress_bar, say, stdout, tell
 
 WIDTH = 150
 """Characters of the table where standard output is no terminal."""
@@ -40,8 +40,8 @@ def verify(
     page = write(outcomes, folder, options)
     stdout(WIDTH).print(printed(outcomes))
     failed = [name for name, outcome in outcomes.items() if not outcome.holds]
-    typer.echo(f"{len(outcomes) - len(failed)} of {len(outcomes)} cases hold")
+    say(f"{len(outcomes) - len(failed)} of {len(outcomes)} cases hold")
     if failed:
-        typer.echo(f"warpgran: these do not: {', '.join(failed)}", err=True)
-    typer.echo(f"wrote {page}")
+        tell(f"these do not: {', '.join(failed)}")
+    say(f"wrote {page}")
     raise typer.Exit(1 if failed else 0)

@@ -12,6 +12,7 @@ import xarray as xr
 from warpgran.analysis.fields import parameter
 from warpgran.analysis.runs import status_words
 from warpgran.figures.names import named, shown
+from warpgran.printable import printable
 from warpgran.schema import CLEAN
 
 MAIN_KEYS = ("slope.angle", "column.phi", "rheology.K")
@@ -40,6 +41,7 @@ def main_facts(data: xr.Dataset) -> list[str]:
 def heading(data: xr.Dataset, facts: Sequence[str], width: int = 95) -> str:
     """Title of the case, then facts, in lines of about `width` characters."""
     title = " / ".join(dict.fromkeys(parameter(data, "title", "").values.ravel().tolist()))
+    title = printable(title).replace("$", r"\$")  # plain text, and no formula
     lines = [""]
     for fact in facts:
         longer = f"{lines[-1]}, {fact}".removeprefix(", ")

@@ -13,6 +13,10 @@ EngineName = Literal["warp", "numpy"]
 DECISIVE = ("precision", "engine")
 """Options on which the bits of a result depend, as they do on the kind of device; a resumed file must share them."""
 
+MOST_THREADS = 4096
+MOST_MEMORY = 1e18
+"""Bytes."""
+
 
 @dataclass(frozen=True)
 class Options:
@@ -39,10 +43,10 @@ class Options:
             raise OptionError(f"engine: {self.engine!r} is not known; allowed: warp, numpy")
         if self.engine == "numpy" and (self.device, self.precision) != ("cpu", "float64"):
             raise OptionError("engine: numpy computes on the cpu in float64 alone")
-        if self.threads is not None and self.threads < 1:
-            raise OptionError(f"threads: {self.threads} is out of range; allowed: >= 1")
-        if self.memory is not None and not self.memory > 0:
-            raise OptionError(f"memory: {self.memory:g} is out of range; allowed: > 0 bytes")
+        if self.threads is not None and not 1 <= self.threads <= MOST_THREADS:
+            raise OptionError(f"threads: {self.threads} is out of range; allowed: 1 to {MOST_THREADS}")
+        if self.memory is not None and not 0 < self.memory < MOST_MEMORY:
+            raise OptionError(f"memory: {self.memory:g} is out of range; allowed: > 0 and < {MOST_MEMORY:g} bytes")
 
     @property
     def devices(self) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from warpgran.case.study import Study
+from warpgran.printable import printable
 from warpgran.run.outcome import Progress
 
 RUNS = "{task.completed:.0f} of {task.total:.0f} runs"
@@ -30,12 +31,13 @@ def bar(amount: str = RUNS, total: float = 1.0) -> Iterator[Show]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn(amount), TimeRemainingColumn())
+    words = TextColumn("{task.description}", markup=False)  # a title may hold brackets
+    columns = (words, BarColumn(), TextColumn(amount), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), redirect_stdout=sys.stdout.isatty()) as shown:
         task = shown.add_task("preparing kernels", total=total)
 
         def show(done: float, total: float, words: str) -> None:
-            shown.update(task, completed=done, total=total, description=words)
+            shown.update(task, completed=done, total=total, description=printable(words))
 
         yield show
 

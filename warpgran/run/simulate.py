@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import TYPE_CHECKING
 
+from warpgran.analysis.caveats import messages
 from warpgran.case.case import Case
 from warpgran.case.study import Study
+from warpgran.case.unlikely import unlikely
+from warpgran.errors import CaveatWarning
 from warpgran.results.in_memory import MemoryResults
 from warpgran.results.layout import Layout
 from warpgran.run import threads as on_threads
@@ -49,6 +53,11 @@ def simulate(
         Thickness, velocity and volume fraction (run, time, x) and the series (run, series_time), in SI units with their
         names; `status` says how each run ended. What was not computed is NaN.
 
+    Warns:
+        CaveatWarning: A value is unlikely (`warpgran check` says the same), the result holds with a reserve (see
+            `wg.caveats`), or a run did not end cleanly. `warnings.simplefilter("ignore", wg.CaveatWarning)` silences
+            it.
+
     Raises:
         OptionError: No such precision or engine, or a number that is out of range.
         DeviceError: No such device.
@@ -56,6 +65,28 @@ def simulate(
         ClusterError: A block failed on a worker, or the scheduler is gone.
         KeyboardInterrupt: Ctrl-C.
     """
+    study = Study.of([cases] if isinstance(cases, Case) else cases)
+    _warn(unlikely(study))
+    data = simulate_quietly(
+        study, device=device, precision=precision, engine=engine, threads=threads, memory=memory, progress=progress,
+        client=client,
+    )  # fmt: skip
+    _warn(messages(data))
+    return data
+
+
+def simulate_quietly(
+    cases: Case | Sequence[Case],
+    *,
+    device: str = "cpu",
+    precision: Precision = "float64",
+    engine: EngineName = "warp",
+    threads: int | None = None,
+    memory: float | None = None,
+    progress: bool = False,
+    client: Client | None = None,
+) -> xr.Dataset:
+    """What `simulate` computes, without its warnings: for callers that judge the result themselves."""
     study = Study.of([cases] if isinstance(cases, Case) else cases)
     options = Options(device, precision, engine, threads, memory)
     compute: Compute = on_threads.compute
@@ -74,3 +105,8 @@ def simulate(
     if outcome.interrupted:
         raise KeyboardInterrupt
     return sink.to_dataset(**attributes(options, outcome))
+
+
+def _warn(lines: Sequence[str]) -> None:
+    for line in lines:
+        warnings.warn(line, CaveatWarning, stacklevel=3)

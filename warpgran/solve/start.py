@@ -83,7 +83,7 @@ class _Level:
         self._solver, self._runs, self._level = solver, runs, level
         self._cases = [case.refined(level) for case in cases]
         self._ends = np.array([end_of_level(case, wave) for case, wave in zip(self._cases, waves, strict=True)])
-        self._limits = np.array([case.time.step_limit for case in cases])
+        self._limits = np.array([min(case.time.step_limit, 2**62) for case in cases])
         self.finer = solver.finer(level, size)
 
     def load(self, before: Solver | None) -> None:

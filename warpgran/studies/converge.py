@@ -17,7 +17,7 @@ from warpgran.case.case import Case
 from warpgran.case.problems import CaseError, Problem
 from warpgran.errors import OptionError, ResultError
 from warpgran.run.options import Options
-from warpgran.run.simulate import simulate
+from warpgran.run.simulate import simulate_quietly
 from warpgran.schema import CLEAN
 
 WANTED = 0.01
@@ -114,7 +114,7 @@ def converge(case: Case, *, levels: int = 3, options: Options | None = None) -> 
     samples = sorted({0.0, *case.sample_times, *case.snapshot_times})
     grids = tuple(cells // 2 * 2**level for level in range(levels))
     cases = [case.with_(**{"grid.cells": n, "time.series": samples}) for n in grids]
-    data = simulate(
+    data = simulate_quietly(
         cases, device=options.device, precision=options.precision, engine=options.engine, threads=options.threads
     )
     unfinished = [f"{n} cells: {word}" for n, word in zip(grids, status_words(data), strict=True) if word not in CLEAN]

@@ -16,7 +16,7 @@ from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.figures.style import STYLE, WIDTH, letter
 from warpgran.run.options import Precision
-from warpgran.run.simulate import simulate
+from warpgran.run.simulate import simulate_quietly
 from warpgran.schema import Status
 from warpgran.verification.check import CheckOptions, CheckResult, Row, scheme
 
@@ -91,7 +91,7 @@ def collapse(case: Case, ratios: Sequence[float], device: str = "cpu", precision
         RuntimeError: One of them did not.
     """
     a = np.array(ratios)
-    data = simulate(case.sweep({"column.height": (a * LENGTH).tolist()}), device=device, precision=precision)
+    data = simulate_quietly(case.sweep({"column.height": (a * LENGTH).tolist()}), device=device, precision=precision)
     if (data["status"] != Status.AT_REST).any():
         moving = ", ".join(f"{ratio:.3g}" for ratio in a[data["status"].values != Status.AT_REST])
         raise RuntimeError(f"columns of aspect ratio {moving} did not come to rest")

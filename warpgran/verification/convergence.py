@@ -16,7 +16,7 @@ from warpgran.analysis.front import compacted, front
 from warpgran.analysis.refinement import Refined
 from warpgran.case.case import Case
 from warpgran.figures.style import STYLE, WIDTH, letter
-from warpgran.run.simulate import simulate
+from warpgran.run.simulate import simulate_quietly
 from warpgran.verification.check import CheckOptions, CheckResult, Row, scheme
 
 CELLS = (250, 500, 1000, 2000, 4000, 8000)
@@ -88,7 +88,7 @@ LEAST, SETTLED = 0.9, 1e-4
 def refine(collapse: Collapse, options: CheckOptions, cells: Sequence[int]) -> dict[tuple[float, str], Refined]:
     """All quantities of a collapse on all grids, by time [s] and name."""
     cases = [collapse.case(options.order, n) for n in cells]
-    data = simulate(cases, device=options.device, precision=options.precision)
+    data = simulate_quietly(cases, device=options.device, precision=options.precision)
     return {
         (t, name): Refined(name, tuple(cells), tuple(of(case, data.isel(run=r), at) for r, case in enumerate(cases)))
         for at, t in enumerate(collapse.times)

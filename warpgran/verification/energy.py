@@ -10,7 +10,7 @@ import numpy as np
 from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.figures.style import TIME_LABEL
-from warpgran.run.simulate import simulate
+from warpgran.run.simulate import simulate_quietly
 from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
 from warpgran.verification.grids import PHI, centres, coulomb, starting_from
 from warpgran.verification.plots import COLOURS, panels
@@ -63,7 +63,7 @@ def energy(options: CheckOptions) -> CheckResult:
     slack = SINGLE if options.precision == "float32" else 0.0
     for n, mu in enumerate(FRICTIONS):
         cases = [dam(options.order, mu, *drawn) for drawn in product(DEPTHS[1], ANGLES, JUMPS)]
-        data = simulate(cases, device=options.device, precision=options.precision)
+        data = simulate_quietly(cases, device=options.device, precision=options.precision)
         found = data["energy"].values
         most = (*(bound + slack for bound in MOST[mu][options.order]), slack)
         what = ("largest gain in a step", "sum of all gains", "last energy less the first")

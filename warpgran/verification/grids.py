@@ -11,7 +11,7 @@ import numpy as np
 from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.case.sections import Grid
-from warpgran.run.simulate import simulate
+from warpgran.run.simulate import simulate_quietly
 from warpgran.verification.check import CheckOptions, Row, scheme
 from warpgran.verification.exact import Flow
 
@@ -198,7 +198,7 @@ def computed(case: Case, options: CheckOptions) -> Computed:
     Raises:
         RuntimeError: It did not reach its end.
     """
-    data = simulate(case, device=options.device, precision=options.precision).isel(run=0)
+    data = simulate_quietly(case, device=options.device, precision=options.precision).isel(run=0)
     if not np.isfinite(data["h"].values).all():
         raise RuntimeError(f"{case.title or 'a run'} with {case.grid.cells} cells did not reach its end")
     return Computed(data["x"].values, data["h"].values, data["v"].values, data["phi"].values, case.dx)

@@ -16,7 +16,7 @@ from scipy.stats import qmc
 from warpgran.analysis.selection import one_run
 from warpgran.case.case import Case
 from warpgran.run.options import Precision
-from warpgran.run.simulate import simulate
+from warpgran.run.simulate import simulate_quietly
 from warpgran.schema import FIELDS, SERIES, Status
 from warpgran.verification.check import CheckOptions, CheckResult, Row
 from warpgran.verification.space import AXES, SCALES, case_at
@@ -76,14 +76,14 @@ def points(scale: float, count: int, seed: int) -> np.ndarray:
 
 def examine(cases: Sequence[Case], precision: Precision, findings: Findings) -> None:
     """Compute cases of one scale as a batch, some of them again in other company, and add to the findings."""
-    data = simulate(cases, precision=precision)
+    data = simulate_quietly(cases, precision=precision)
     findings.runs += len(cases)
     findings.cell_steps += int(data.attrs["cell_steps"])
     for r, case in enumerate(cases):
         run = one_run(data, r)
         findings.faults += [(what, case, precision) for what in _judge(case, run, precision, findings)]
     chosen = list(range(len(cases)))[::-COMPANY]
-    again = simulate([cases[r] for r in chosen], precision=precision, threads=1)
+    again = simulate_quietly([cases[r] for r in chosen], precision=precision, threads=1)
     for k, r in enumerate(chosen):
         if not _same(one_run(data, r), one_run(again, k)):
             findings.faults.append(("its bits depend on the other runs of its batch", cases[r], precision))

@@ -13,7 +13,7 @@ from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.figures.style import TIME_LABEL
 from warpgran.run.options import Precision
-from warpgran.run.simulate import simulate
+from warpgran.run.simulate import simulate_quietly
 from warpgran.verification.check import CheckOptions, CheckResult, Row, paragraphs
 from warpgran.verification.grids import centres, computed, coulomb, falling, starting_from
 from warpgran.verification.plots import COLOURS, MARKS, panels
@@ -176,7 +176,9 @@ def _fastest(cases: Sequence[Case], viscous: bool, options: CheckOptions) -> Arr
     changes: dict[str, Any] = {"time.end": TIMES[-1], "time.snapshots": list(TIMES)}
     if not viscous:
         changes["scheme.xi"] = [0.0, 0.0, 0.0]
-    data = simulate([case.with_(**changes) for case in cases], device=options.device, precision=options.precision)
+    data = simulate_quietly(
+        [case.with_(**changes) for case in cases], device=options.device, precision=options.precision
+    )
     c = np.sqrt(cases[0].g_c * LEVEL)
     return np.asarray(np.abs(data["v"].values).max(axis=(0, 2)) / c)
 
