@@ -25,7 +25,7 @@ sys.path.insert(0, str(DOCS.parent / "tests"))
 from helpers.rooms import arrows, modules  # noqa: E402
 
 PICTURE = DOCS / "images" / "rooms.svg"
-GROUND = ("schema", "files", "errors", "arrays")
+GROUND = ("schema", "files", "errors", "arrays", "printable")
 """Modules of the top, which import no room: drawn as the ground that the rooms stand on, without arrows."""
 COLUMN = {"kernels": 0, "physics": 1, "case": 2, "solve": 0, "analysis": 1, "results": 0, "figures": 2, "run": 0,
           "studies": 0, "verification": 1, "paper": 2, "cli": 1, "calibration": 2}  # fmt: skip

@@ -40,7 +40,7 @@ def test_the_run_files_here_are_likely(path: Path) -> None:
         (
             {"slope.bed": {"x": [0.0, 0.5, 2.5], "b": [0.0, 0.0, 0.18]}},
             {"slope.bed": {"x": [0.0, 0.5, 2.5], "b": [0.0, 0.0, 0.22]}},
-            "slope.bed: is bent at x = 0.49",
+            "slope.bed: is bent at x = 0.5005 m: its slope changes by 0.11 over the height of the column",
         ),
         (
             {"rheology.grain_diameter": 0.0139},

@@ -30,4 +30,5 @@ def schema() -> None:
     """Print the JSON schema of run files, for editors that check and complete TOML."""
     from warpgran.case.json_schema import text
 
-    say(text(), nl=False)
+    for line in text().splitlines():
+        say(line)
