@@ -70,7 +70,7 @@ def test_csv_is_what_pandas_reads_back(tmp_path: Path) -> None:
 
 def test_csv_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "summary.csv"
-    path.write_text("old")
+    path.write_text("run,status,end_time,old")
 
     def half(frame: pd.DataFrame, part: Path, **options: Any) -> None:
         part.write_text("half")
@@ -79,7 +79,7 @@ def test_csv_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(pd.DataFrame, "to_csv", half)
     with pytest.raises(OSError, match="disk full"):
         write_csv(summary(by_hand()), path)
-    assert path.read_text() == "old"
+    assert path.read_text() == "run,status,end_time,old"
     assert [path] == list(tmp_path.iterdir())
     with pytest.raises(StorageError, match="absent"):
         write_csv(summary(by_hand()), tmp_path / "absent" / "summary.csv")
