@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from warpgran.analysis.fields import derive as derive
     from warpgran.analysis.forces import forces as forces
     from warpgran.analysis.summary import summary as summary
+    from warpgran.calibration.calibrate import calibrate as calibrate
     from warpgran.case.case import Case as Case
     from warpgran.case.problems import CaseError as CaseError
     from warpgran.case.read_study import read_study as read_study
@@ -49,6 +50,7 @@ _HOME = {
     "TableError": "case.tables",
     "WarpgranError": "errors",
     "caveats": "analysis.caveats",
+    "calibrate": "calibration.calibrate",
     "converge": "studies.converge",
     "derive": "analysis.fields",
     "forces": "analysis.forces",

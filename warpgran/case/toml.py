@@ -15,6 +15,8 @@ from warpgran.files import read_text
 
 VARYING = {"sweep": "sweep", "sensitivity": "design"}
 """Sections, with what they are, that make a file a batch; in their part `over`, dotted keys are single names."""
+ASIDE = ("calibration",)
+"""Sections, with such a part too, that no run knows of: their commands read and check them."""
 
 
 def load(path: str) -> tuple[str, dict[str, Any]]:
@@ -53,7 +55,7 @@ def override(data: dict[str, Any], text: str) -> Problem | None:
 def set_key(data: dict[str, Any], key: str, value: Any) -> Problem | None:
     """Set one dotted key of nested dicts; None removes it."""
     *parents, last = _path(key)
-    if key not in ALLOWED and not {*parents[:1]} & {*VARYING}:  # those judge their own keys
+    if key not in ALLOWED and not {*parents[:1]} & {*VARYING, *ASIDE}:  # those judge their own keys
         return unknown_key(key, ALLOWED)
     for parent in parents:
         if not isinstance(data.get(parent), dict):
@@ -69,7 +71,7 @@ def set_key(data: dict[str, Any], key: str, value: Any) -> Problem | None:
 def _path(key: str) -> list[str]:
     """The nested names of a dotted key. Under `sweep.over` and the like dotted keys are single names."""
     parts = key.split(".")
-    if parts[0] not in VARYING or parts[1:2] != ["over"] or len(parts) == 2:
+    if parts[0] not in (*VARYING, *ASIDE) or parts[1:2] != ["over"] or len(parts) == 2:
         return parts
     section, *rest = key.replace('"', "").split(".")[2:]
     return [*parts[:2], ".".join([section, *rest[:1]]), *rest[1:]]

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from warpgran.case.problems import CaseError, Problem, shown
 from warpgran.case.tables import TableError, read_bed, read_profile
-from warpgran.case.toml import VARYING, as_data, without
+from warpgran.case.toml import ASIDE, VARYING, as_data, without
 
 T = TypeVar("T")
 
@@ -48,12 +48,14 @@ def validated(make: Callable[..., T], data: Any, problems: list[Problem], folder
 
 
 def _misplaced(data: dict[str, Any]) -> list[Problem]:
-    """Remove, and report, what is no section but looks like one."""
+    """Remove what is no section of a case, and report what only looks like one."""
     problems = []
     for key in [key for key in data if "." in key]:
         del data[key]
         section, _, name = key.partition(".")
         problems.append(Problem(f'"{key}"', f"unknown key; write {name} under [{section}]"))
+    for name in ASIDE:
+        data.pop(name, None)
     for name in [name for name in VARYING if name in data]:
         del data[name]
         message = f"is a {VARYING[name]} of several runs, and a case is one; read such a file with warpgran.read_study"

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from warpgran.cli.calibrate import calibrate
 from warpgran.cli.check import check
 from warpgran.cli.commands import info, merge, summary
 from warpgran.cli.converge import converge
@@ -68,7 +69,7 @@ def options(
     """Granular collapses with dilatancy: a depth-averaged compressible mu(I) model."""
 
 
-for command in (new, run, check, info, plot, animate, summary, merge, converge, verify, reproduce, schema):
+for command in (new, run, check, info, plot, animate, summary, merge, converge, calibrate, verify, reproduce, schema):
     app.command()(command)
 
 

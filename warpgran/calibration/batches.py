@@ -1,0 +1,56 @@
+"""Batches of runs whose predictions are kept in a folder, so that a stage that was killed goes on to the same bits."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from warpgran.arrays import Array
+from warpgran.files import replacing
+
+Predict = Callable[[Array], Array]
+"""Predictions (points, data) of points (points, parameters)."""
+
+
+class Batches:
+    """A function of points that remembers what it has computed, also from one process to the next."""
+
+    def __init__(self, predict: Predict, folder: Path, identity: str) -> None:
+        """Keep what is in the folder if it is of the same identity, and remove it if not.
+
+        Args:
+            predict: What computes a batch.
+            folder: Where batches are kept; made if it is not there.
+            identity: Of all that the predictions depend on beside the points.
+        """
+        self._predict, self._folder = predict, folder
+        self._known: dict[bytes, Array] = {}
+        mark = folder / "identity.txt"
+        if folder.exists() and not (mark.exists() and mark.read_text() == identity):
+            shutil.rmtree(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        for path in sorted(folder.glob("[0-9a-f]*.npz")):
+            with np.load(path) as kept:
+                self._learn(kept["theta"], kept["predictions"])
+        mark.write_text(identity)
+
+    def __call__(self, theta: Array) -> Array:
+        """Predictions of a batch; what the folder does not hold of it is computed together and kept."""
+        theta = np.ascontiguousarray(theta)
+        keys = [point.tobytes() for point in theta]
+        missing = [i for i, key in enumerate(keys) if key not in self._known]
+        if missing:
+            points = theta[missing]
+            predictions = self._predict(points)
+            name = hashlib.sha256(points.tobytes()).hexdigest()[:16]
+            with replacing(self._folder / f"{name}.npz") as part:
+                np.savez(part, theta=points, predictions=predictions)
+            self._learn(points, predictions)
+        return np.array([self._known[key] for key in keys])
+
+    def _learn(self, theta: Array, predictions: Array) -> None:
+        self._known.update(zip((point.tobytes() for point in theta), predictions, strict=True))
