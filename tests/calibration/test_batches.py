@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from warpgran.calibration.batches import Batches
+from warpgran.files import StorageError
 
 
 class Counting:
@@ -49,3 +51,10 @@ def test_a_part_that_a_kill_has_left_is_no_batch(tmp_path: Path) -> None:
     (tmp_path / "runs" / f".{whole.stem}.0123.npz").write_bytes(whole.read_bytes()[:50])
     Batches(count, tmp_path / "runs", "a")(np.ones((2, 1)))
     assert count.points == 2
+
+
+def test_a_folder_of_something_else_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "0.npz").write_text("mine")
+    with pytest.raises(StorageError, match="it holds files of something else; move them"):
+        Batches(Counting(), tmp_path, "a")
+    assert (tmp_path / "0.npz").read_text() == "mine"

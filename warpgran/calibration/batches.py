@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import hashlib
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from warpgran.arrays import Array
-from warpgran.files import replacing
+from warpgran.files import StorageError, replacing
 
 Predict = Callable[[Array], Array]
 """Predictions (points, data) of points (points, parameters)."""
+BATCH = "[0-9a-f]*.npz"
+"""Names of files of batches; a part that a killed process has left begins with a dot."""
 
 
 class Batches:
@@ -26,17 +27,23 @@ class Batches:
             predict: What computes a batch.
             folder: Where batches are kept; made if it is not there.
             identity: Of all that the predictions depend on beside the points.
+
+        Raises:
+            StorageError: The folder holds something else.
         """
         self._predict, self._folder = predict, folder
         self._known: dict[bytes, Array] = {}
         mark = folder / "identity.txt"
-        if folder.exists() and not (mark.exists() and mark.read_text() == identity):
-            shutil.rmtree(folder)
         folder.mkdir(parents=True, exist_ok=True)
-        for path in sorted(folder.glob("[0-9a-f]*.npz")):
+        if not mark.exists() and any(folder.iterdir()):
+            raise StorageError(f"cannot keep runs in {folder}: it holds files of something else; move them")
+        if mark.exists() and mark.read_text() != identity:
+            for path in folder.glob(BATCH):
+                path.unlink()
+        mark.write_text(identity)
+        for path in sorted(folder.glob(BATCH)):
             with np.load(path) as kept:
                 self._learn(kept["theta"], kept["predictions"])
-        mark.write_text(identity)
 
     def __call__(self, theta: Array) -> Array:
         """Predictions of a batch; what the folder does not hold of it is computed together and kept."""

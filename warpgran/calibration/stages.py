@@ -25,7 +25,7 @@ from warpgran.calibration.experiments import Experiments, read_experiments
 from warpgran.calibration.fit import Fit, best_fit
 from warpgran.calibration.forward import Forward
 from warpgran.calibration.screening import Screening, shares_at, sobol_points
-from warpgran.calibration.smc import Samples, Step, sample
+from warpgran.calibration.smc import Posterior, Step, sample
 from warpgran.case.calibration_section import CalibrationStudy
 from warpgran.case.identity import identity
 from warpgran.case.problems import CaseError
@@ -45,7 +45,7 @@ TO_SAMPLE, TO_DRAW = 1, 2
 
 
 @dataclass(frozen=True)
-class Posterior:
+class Sampled:
     """What the third stage has found.
 
     Attributes:
@@ -56,7 +56,7 @@ class Posterior:
         size: Effective number of draws by name, the lesser one of bulk and tails.
     """
 
-    samples: Samples
+    samples: Posterior
     predictions: Array
     errors: Mapping[str, Array]
     r_hat: Mapping[str, float]
@@ -178,7 +178,7 @@ class Stages:
         )
 
     @cached_property
-    def posterior(self) -> Posterior:
+    def posterior(self) -> Sampled:
         """Draws from the posterior; the screening is where the populations begin."""
         section, priors = self.study.section, self.study.priors
         screening, model = self.screening, self.error_model
@@ -211,7 +211,7 @@ class Stages:
         predictions = self._predict(found.theta.reshape(-1, len(priors)))
         errors, _ = model.draw(predictions, np.random.default_rng([section.seed, TO_DRAW]))
         draws = {name: found.theta[..., k] for k, name in enumerate(self.names)}
-        return Posterior(
+        return Sampled(
             found,
             predictions.reshape(*shape, -1),
             {name: values.reshape(shape) for name, values in errors.items()},
