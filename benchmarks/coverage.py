@@ -65,7 +65,7 @@ def measure(
             abs(values) + 1e-3 * abs(values).max() if in_proportion else np.full(values.size, abs(values).max())
         )
         values = values + size * rng.standard_normal(values.size)
-        values = np.maximum(values, 0.0) if name == "profiles" else values
+        values = values if sigma or name != "profiles" else np.maximum(values, 0.0)
         lines = [headings[name] + (",sigma" if sigma else "")]
         for row, value, s in zip(table, values, size, strict=True):
             lines.append(",".join(f"{v:.6g}" for v in (*row[:-1], value, *((s,) if sigma else ()))))

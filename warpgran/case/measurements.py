@@ -5,7 +5,8 @@ front.csv     angle [degrees], t [s], x [m]           position of the front
 volume.csv    angle [degrees], t [s], change [-]      volume over the initial one, less 1
 
 x from the gate, downhill, as in the run files; h normal to the slope. Each file may have a column sigma, the standard
-deviation of its last quantity, in its unit. A file is read as the tables of `warpgran.case.tables` are.
+deviation of its last quantity, in its unit; a thickness may then be as little below 0 as noise makes it. A file is read
+as the tables of `warpgran.case.tables` are.
 """
 
 from __future__ import annotations
@@ -26,6 +27,9 @@ COLUMNS = {
 }
 """Columns of each file; the last is what was measured."""
 RANGES = {"angle": (-80.0, 80.0), "t": (0.0, np.inf), "h": (0.0, np.inf), "change": (-1.0, np.inf)}
+
+BELOW = 5.0
+"""How many sigma a thickness may lie below 0, which noise brings about where the flow is thin."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,8 @@ def _faults(name: str, columns: Mapping[str, Array], places: list[str]) -> list[
         row = {column: float(values[i]) for column, values in columns.items()}
         for column, value in row.items():
             low, high = RANGES.get(column, (-np.inf, np.inf))
+            if column == "h" and "sigma" in row:
+                low = -BELOW * row["sigma"]
             deposit = name == "profiles" and column == "t" and value == np.inf
             if not np.isfinite(value) and not deposit:
                 messages.append(f"{place}: {column} = {value} is not a finite number")
