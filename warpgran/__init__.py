@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from warpgran.analysis.caveats import caveats as caveats
     from warpgran.analysis.fields import derive as derive
     from warpgran.analysis.forces import forces as forces
+    from warpgran.analysis.runs import with_keys as with_keys
     from warpgran.analysis.summary import summary as summary
     from warpgran.calibration.calibrate import calibrate as calibrate
     from warpgran.case.case import Case as Case
@@ -59,6 +60,7 @@ _HOME = {
     "read_study": "case.read_study",
     "simulate": "run.simulate",
     "summary": "analysis.summary",
+    "with_keys": "analysis.runs",
 }
 
 __all__ = [*_HOME]
