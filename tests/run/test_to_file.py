@@ -119,7 +119,7 @@ SLOW = {"grid.cells": 800}
 
 def stored(path: Path) -> int:
     """Runs that are done in the part file; 0 where there is none (any more)."""
-    with suppress(OSError), reading(part_of(path)) as file:
+    with suppress(OSError, StorageError), reading(part_of(path)) as file:
         return int((file["status"][:] == Status.OK).sum())
     return 0
 
