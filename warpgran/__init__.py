@@ -2,7 +2,7 @@
 
 import warpgran as wg
 
-case = wg.Case.from_toml("runs/dense_22deg.toml").with_(**{"slope.angle": 16.0})
+case = wg.Case.from_toml("runs/dense_22deg.toml").with_(slope={"angle": 16.0})
 data = wg.simulate(case)                          # an xarray.Dataset
 data = wg.open_dataset("dense_22deg.h5")          # the same, from a file that `warpgran run` has written
 data = data.assign(wg.derive(data, "psi", "mu"))  # with dilatancy angle and friction

@@ -12,7 +12,7 @@ import warpgran as wg
 CODE = """
 import warp as wp
 import warpgran as wg
-case = wg.Case(grid={"cells": 50}, time={"end": 0.1}, title="A small heap")
+case = wg.Case(grid={"right": 0.3, "cells": 200}, time={"end": 0.1}, title="A small heap")
 data = wg.simulate(case, progress=%s)
 assert data.sizes["run"] == 1
 assert wp.config.log_level == wp.LOG_INFO  # as it was
@@ -29,7 +29,7 @@ def test_nothing_is_printed_but_the_bar_that_was_asked_for(progress: bool, shown
 
 
 def test_memory_bounds_what_is_computed_at_once() -> None:
-    case = wg.Case(grid={"cells": 50}, time={"end": 0.1})
+    case = wg.Case(grid={"right": 0.3, "cells": 200}, time={"end": 0.1})
     study = case.sweep({"slope.angle": [0.0, 10.0, 20.0]})
     with pytest.raises(MemoryError):
         wg.simulate(study, memory=1000.0)

@@ -10,15 +10,25 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from pydantic import PrivateAttr, StrictStr, ValidationError, model_validator
 
 from warpgran.arrays import Array
 from warpgran.case.between_keys import cross_problems
+from warpgran.case.changes import (
+    ColumnChanges,
+    GridChanges,
+    RheologyChanges,
+    SchemeChanges,
+    SlopeChanges,
+    TimeChanges,
+    dotted,
+)
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.model import Model, declare
+from warpgran.case.notebook import case_table, case_text
 from warpgran.case.problems import CaseError, Problem, problems_of
 from warpgran.case.sections import ALLOWED, KEYS, SECTIONS, Column, Every, Grid, Rheology, Scheme, Slope, Time
 from warpgran.case.times import output_times, sample_times, series, snapshot_times, snapshots
@@ -94,17 +104,33 @@ class Case(Model):
         """
         return cls._checked(mapping, [], Path(folder))
 
+    @overload
+    def with_(
+        self,
+        *,
+        title: str | None = ...,
+        rheology: RheologyChanges | None = ...,
+        slope: SlopeChanges | None = ...,
+        column: ColumnChanges | None = ...,
+        grid: GridChanges | None = ...,
+        time: TimeChanges | None = ...,
+        scheme: SchemeChanges | None = ...,
+    ) -> Case: ...
+    @overload
+    def with_(self, **changes: Any) -> Case: ...
     def with_(self, **changes: Any) -> Case:
-        """The same case with other values, checked again: `case.with_(**{"slope.angle": 16.0})`.
+        """The same case with other values, checked again: `case.with_(slope={"angle": 16.0}, title="Less steep")`.
 
         Args:
-            changes: Values by dotted key; None restores the default. Tables are not read again.
+            changes: By section the keys that change, as a mapping, and `title`; what is not named stays. None, of a
+                key or of a section, restores the default. Programs may give values by dotted key instead:
+                `case.with_(**{"slope.angle": 16.0})`. Tables are not read again.
 
         Raises:
             CaseError: Lists everything that is wrong.
         """
         data = as_data(self)
-        problems = [problem for key, value in changes.items() if (problem := set_key(data, key, value))]
+        problems = [problem for key, value in dotted(changes) if (problem := set_key(data, key, value))]
         return self._checked(data, problems, self._folder, self._source)
 
     def refined(self, level: int) -> Case:
@@ -284,3 +310,11 @@ class Case(Model):
 
     def __hash__(self) -> int:
         return hash(tuple(self._in_force().values()))
+
+    def __repr__(self) -> str:
+        return case_text(self)
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return case_table(self)

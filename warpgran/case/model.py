@@ -11,7 +11,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -127,7 +127,21 @@ def _describe(schema: dict[str, Any], model: type[Model]) -> None:
     schema["description"] = (model.__doc__ or "").partition("\n\n")[0]
 
 
-class Model(BaseModel):
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+
+class _Concise(ModelMetaclass):
+    """Shows, in `help` and where names are completed, what is ours, not what pydantic needs."""
+
+    def __dir__(cls) -> list[str]:
+        ours = [base for base in cls.__mro__ if base.__module__.startswith("warpgran.")]
+        return sorted({name for base in ours for name in vars(base) if not name.startswith(("_", "model_"))})
+
+
+class Model(BaseModel, metaclass=_Concise):
     """Values by key: frozen, without unknown keys, numbers finite and only of numbers."""
 
     model_config = ConfigDict(
@@ -168,6 +182,14 @@ class Model(BaseModel):
         if wrong:
             raise CaseError(wrong)
         return self
+
+    def __repr_args__(self) -> Any:
+        """What differs from the defaults."""
+        values = [(name, getattr(self, name), field.default) for name, field in type(self).model_fields.items()]
+        return [(name, value) for name, value, default in values if value != default]
+
+    def __dir__(self) -> list[str]:
+        return sorted({*dir(type(self)), *type(self).model_fields})
 
     @classmethod
     def keys(cls) -> dict[str, str]:

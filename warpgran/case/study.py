@@ -15,6 +15,7 @@ import numpy as np
 from warpgran.arrays import Array
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.identity import identity
+from warpgran.case.notebook import study_table
 from warpgran.case.problems import CaseError, Problem
 from warpgran.case.sweep_section import KINDS
 
@@ -118,6 +119,9 @@ class Study(Sequence["Case"]):
     def identity(self, i: int) -> str:
         """The identity of the case of run i, see the function `identity`."""
         return identity(self[i])
+
+    def _repr_html_(self) -> str:
+        return study_table(self)
 
     def __repr__(self) -> str:
         runs = "1 run" if self._runs == 1 else f"{self._runs} runs"
