@@ -17,6 +17,7 @@ from jsonschema import Draft202012Validator
 
 from warpgran.case.all_sections import ALL_SECTIONS
 from warpgran.case.json_schema import SHIPPED, text
+from warpgran.case.sections import SECTIONS
 
 SCHEMA = json.loads(text())
 RUNS = sorted((ROOT / "runs").rglob("*.toml"))
@@ -32,6 +33,8 @@ MISTAKES = {
     "out of range in a nested sweep": "[sweep.over]\ncolumn.phi = [0.6, 2.0]",
     "not one of the modes": '[sweep]\nmode = "random"\n[sweep.over]\nslope.angle = [1]',
     "a misspelt key of a distribution": '[sensitivity.over]\n"slope.angle" = { lo = 1.0, high = 2.0 }',
+    "a misspelt key of a prior": '[calibration.over]\n"slope.angle" = { lo = 1.0, high = 2.0 }',
+    "a misspelt fitted key": '[calibration.over]\n"rheology.k" = { low = 1.0, high = 2.0 }',
     "a sensitivity over nothing": '[sensitivity]\nmethod = "morris"',
 }
 TOOLS = {
@@ -53,6 +56,13 @@ def test_every_section_of_the_documents_has_its_part() -> None:
     headings = re.findall(r"(?m)^## `\[(\w+)\]`$", (DOCS / "run_file.md").read_text(encoding="utf-8"))
     assert set(headings) == set(ALL_SECTIONS)
     assert set(SCHEMA["properties"]) == {"title", *ALL_SECTIONS}
+
+
+def test_every_section_that_a_file_of_the_room_declares_has_its_part() -> None:
+    sources = [path.read_text(encoding="utf-8") for path in (ROOT / "warpgran" / "case").glob("*_section.py")]
+    assert len(sources) >= 3
+    declared = {name for source in sources for name in re.findall(r'"""The `\[(\w+)\]` section: ', source)}
+    assert declared == ALL_SECTIONS.keys() - SECTIONS.keys()
 
 
 @pytest.mark.parametrize("section", ALL_SECTIONS)

@@ -10,8 +10,10 @@ import pytest
 import warpgran as wg
 
 CODE = """
+import warnings
 import warp as wp
 import warpgran as wg
+warnings.simplefilter("ignore", wg.CaveatWarning)  # that it has not stopped after a tenth of a second
 case = wg.Case(grid={"right": 0.3, "cells": 200}, time={"end": 0.1}, title="A small heap")
 data = wg.simulate(case, progress=%s)
 assert data.sizes["run"] == 1

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from warpgran.case.calibration_section import Calibration
 from warpgran.case.model import Model
 from warpgran.case.sections import SECTIONS
 from warpgran.case.sensitivity_section import Sensitivity
 from warpgran.case.sweep_section import Sweep
 
-ALL_SECTIONS: dict[str, type[Model]] = SECTIONS | {"sweep": Sweep, "sensitivity": Sensitivity}
+ALL_SECTIONS: dict[str, type[Model]] = SECTIONS | {
+    "sweep": Sweep,
+    "sensitivity": Sensitivity,
+    "calibration": Calibration,
+}
 """By name. The tables of docs/run_file.md and the JSON schema are made of it, so that a new section stands here."""

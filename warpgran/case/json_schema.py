@@ -90,6 +90,8 @@ def _plainer(schema: Any) -> Any:
 def _over(over: dict[str, Any], properties: dict[str, Any]) -> dict[str, Any]:
     """What can vary, key by key, dotted in quotes or nested: the values of a list are as good as single ones."""
     forms = over.pop("additionalProperties")
+    if forms is True:  # a section whose distributions are read apart
+        forms = {"$ref": "#/$defs/Distribution"}
     dotted: dict[str, Any] = {}
     nested: dict[str, Any] = {}
     for key in KINDS:
