@@ -60,6 +60,27 @@ class Calibrated:
             found += words.not_converged(self.stages)
         return [*found, words.of_runs(self.stages.forward.tally, self.seconds)]
 
+    def write(self, folder: str | os.PathLike[str] | None = None) -> list[Path]:
+        """Write the netCDF file that ArviZ reads, the figures, and the page that holds everything.
+
+        Args:
+            folder: Where they go, by default where the runs are kept.
+
+        Returns:
+            What was written: calibration.html, calibration.nc and the pictures.
+
+        Raises:
+            StorageError: A file cannot be written, or something else is there.
+        """
+        from warpgran.calibration.page import write_figures, write_page
+        from warpgran.calibration.result import write_result
+
+        folder = self.stages.output if folder is None else Path(folder)
+        pictures = write_figures(self, folder)
+        write_page(self, pictures, folder / "calibration.html")
+        write_result(self, folder / "calibration.nc")
+        return [folder / "calibration.html", folder / "calibration.nc", *pictures]
+
 
 def calibrate(
     case: Case,

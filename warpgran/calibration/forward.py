@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -16,6 +17,7 @@ from warpgran.calibration.experiments import Experiments, Observed
 from warpgran.case.case import Case
 from warpgran.case.problems import CaseError
 from warpgran.case.study import Study
+from warpgran.errors import CaveatWarning
 from warpgran.results.reading import open_dataset
 from warpgran.run.options import Options
 from warpgran.run.simulate import simulate
@@ -116,8 +118,10 @@ class Forward:
                 found.append(np.full((valid.size, self.experiments.size), np.nan))
                 continue
             options = self.options
-            data = simulate(study, device=options.device, precision=options.precision,
-                            engine=options.engine, threads=options.threads)  # fmt: skip
+            with warnings.catch_warnings():  # runs that failed are counted; the others are not read beyond their data
+                warnings.simplefilter("ignore", CaveatWarning)
+                data = simulate(study, device=options.device, precision=options.precision,
+                                engine=options.engine, threads=options.threads)  # fmt: skip
             found.append(self.predictions(data, valid))
             self.tally.add(data)
             progress(float(begin + valid.size) * each, float(len(theta)) * each)

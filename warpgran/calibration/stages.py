@@ -182,20 +182,18 @@ class Stages:
         """Draws from the posterior; the screening is where the populations begin."""
         section, priors = self.study.section, self.study.priors
         screening, model = self.screening, self.error_model
-        order = np.concatenate([np.arange(c, len(screening.theta), section.chains) for c in range(section.chains)])
+        begin = len(screening.theta) // section.chains * section.chains  # as many for each population
 
         def log_likelihood(theta: Array) -> Array:
-            begins = theta.shape == screening.theta.shape and np.allclose(
-                theta, screening.theta[order], rtol=1e-9, atol=0.0
-            )
-            return model.log_likelihood(screening.predictions[order] if begins else self._predict(theta))
+            begins = len(theta) == begin and np.allclose(theta, screening.theta[:begin], rtol=1e-9, atol=0.0)
+            return model.log_likelihood(screening.predictions[:begin] if begins else self._predict(theta))
 
         def progress(step: Step) -> None:
             self._show("posterior", step.temperature, 1.0)
 
         known = _digest(_identity(self.forward), self.experiments.value, model.grid, repr(priors), repr(section),
                         *(o.sigma for _, o in self.experiments.observed()))  # fmt: skip
-        start = shares_at(priors, screening.theta[: len(order) // section.chains * section.chains])
+        start = shares_at(priors, screening.theta[:begin])
         found = sample(
             log_likelihood,
             list(priors.values()),

@@ -57,6 +57,8 @@ def calibrate(
     stdout(WIDTH).print(_table(found.table()))
     for line in found.told():
         typer.echo(line)
+    for path in found.write():
+        typer.echo(f"wrote {path}")
     raise typer.Exit(0 if found.converged else 1)
 
 
