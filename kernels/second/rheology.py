@@ -33,6 +33,8 @@ def make(variant: Variant, laws: Laws) -> SecondRheology:
     power, root, phi_equilibrium, friction_of = laws.power, laws.root, laws.phi_equilibrium, laws.friction
     zero, half, one = Real(0.0), Real(0.5), Real(1.0)
     dry, phi_min = Real(DRY), Real(PHI_MIN)
+    # num and den of a film are 1e-18 m2/s; their product stays a normal number of float32 so; a power of 2.
+    large = Real(2.0**30) if variant.precision == "float32" else one
 
     @wp.func
     def wet(U0: Real, U2: Real) -> bool:
@@ -54,6 +56,7 @@ def make(variant: Variant, laws: Laws) -> SecondRheology:
     def friction(m: Real, v: Real, phi: Real, p: RunParams):
         """h [m] and the effective friction coefficient (E1) of m = phi h [m], v [m/s], phi; by one division."""
         num, den = inertia(Real(2.5) * wp.abs(v), phi, wp.max(m, phi * p.h_min), p)
+        num, den = large * num, large * den
         top, bottom = phi_equilibrium(num, den, p)
         scale = num + p.I0 * den
         per_all = one / (bottom * scale * phi)

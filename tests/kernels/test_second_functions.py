@@ -94,6 +94,17 @@ def test_friction(changes: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("changes", LAWS)
+def test_friction_of_a_film_in_single_precision(changes: dict[str, Any]) -> None:
+    case = small(**{**changes, "scheme.h_min": 3e-9, "rheology.grain_diameter": 2e-5})
+    m, v, f = np.array([0.0, 0.0, 2e-11, 2e-11]), np.array([0.0, 0.0, 0.0, -0.6]), np.array([2e-4, 0.6, 2e-4, 2e-4])
+    single, double = (
+        caller(rheology.make(caller.variant, laws_of.make(caller.variant)).friction, m, v, f, returns=2)
+        for caller in (Caller(case, "float32"), Caller(case))
+    )
+    np.testing.assert_allclose(single, double, rtol=1e-5)
+
+
+@pytest.mark.parametrize("changes", LAWS)
 def test_relaxed(changes: dict[str, Any]) -> None:
     case = small(**changes)
     r, a = case.rheology, case.scheme.alpha - 1.0

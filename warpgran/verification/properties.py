@@ -27,8 +27,9 @@ MASS = {"float64": 1e-12, "float32": 1e-4}
 EXCESS, STEEP = 0.05, 45.0
 """By how much phi may pass the larger of its initial value and phi_stat, on slopes of no more than so many degrees and
 with a stabilization of xi >= 1."""
-ROUNDING = {"float64": 1e-12, "float32": 1e-4}
-"""The same under order 2, in any run."""
+ROUNDING = {"float64": 1e-12, "float32": 3e-4}
+"""The same under order 2, in any run of alpha = 2; of another, over alpha - 1: phi is a power 1/(alpha - 1) of what is
+rounded, in float32 some 2000 units in the last place over up to 20,000 steps."""
 SPEED = 2.0
 """How many times `speed_bound` may be reached."""
 COMPANY = 16
@@ -133,7 +134,7 @@ def _judge_profiles(case: Case, run: xr.Dataset, precision: Precision, findings:
 
 def _most_excess(case: Case, precision: Precision) -> float:
     if case.scheme.order == 2:
-        return ROUNDING[precision]
+        return ROUNDING[precision] / min(1.0, case.scheme.alpha - 1.0)
     return EXCESS if abs(case.slope.angle) <= STEEP and case.scheme.xi[0] >= 1.0 else np.inf
 
 
@@ -179,8 +180,9 @@ def deep(options: CheckOptions, count: int = 2048, seed: int = 2026) -> CheckRes
         Row("smallest phi", found.least_phi, "-", "> 0", found.least_phi > 0.0),
     ]
     for precision in PRECISIONS:
-        most = f"<= {ROUNDING[precision]:g}" if options.order == 2 else "reported"
-        held = found.excess[precision] <= ROUNDING[precision] if options.order == 2 else None
+        judged = options.order == 2 and precision == "float64"  # float32: run by run, by its alpha
+        most = f"<= {ROUNDING[precision]:g}" if judged else "reported"
+        held = found.excess[precision] <= ROUNDING[precision] if judged else None
         compared = f"largest phi over max(phi_0, phi_stat), less 1, {precision}"
         rows.append(Row(compared, found.excess[precision], "-", most, held))
         change, bound = found.mass[precision], MASS[precision]
