@@ -6,6 +6,7 @@ import ast
 import subprocess
 import sys
 from graphlib import TopologicalSorter
+from pathlib import Path
 
 import pytest
 from helpers.places import ROOT
@@ -94,6 +95,19 @@ def test_imports_stay_light(statement: str, absent: list[str]) -> None:
     code = f"{statement}; import sys; print(*[name for name in {absent!r} if name in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert found == []
+
+
+def test_a_run_without_a_picture_does_without_what_draws(tmp_path: Path) -> None:
+    (tmp_path / "short.toml").write_text("grid = { right = 0.3, cells = 100 }\ntime.end = 0.01\n")
+    code = (
+        "import sys; from warpgran.cli.app import app\n"
+        "try: app(['run', 'short.toml', '--no-picture'])\n"
+        "except SystemExit as ended: assert not ended.code\n"
+        "heavy = ('matplotlib', 'PIL', 'distributed', 'scipy.stats')\n"
+        "print('imported:', *(name for name in heavy if name in sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "imported:"
 
 
 def test_kernels_is_no_top_level_package() -> None:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
-from importlib import import_module
 from pathlib import Path
-from threading import Thread
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
@@ -67,7 +65,6 @@ def run(
         result_path(path, study.inputs)
         check_place(path.with_suffix(".png"))
         check_ours(path.with_suffix(".png"))
-    _import_meanwhile(*_FOR_TABLE, *(_FOR_PICTURE if picture else ()))
     if engine == "warp":
         from warpgran.solve.device import find_devices, start_quietly
 
@@ -87,15 +84,6 @@ def run(
     report(study, data, outcome)
     say(f"wrote {' and '.join(written)}")
     raise typer.Exit(130 if outcome.interrupted else exit_status(data["status"].values))
-
-
-_FOR_TABLE = ("xarray", "h5netcdf", "warpgran.analysis.summary", "warpgran.analysis.caveats", "warpgran.cli.table")
-_FOR_PICTURE = ("warpgran.figures.plot", "matplotlib.backends.backend_agg")
-
-
-def _import_meanwhile(*modules: str) -> None:
-    """Import modules on the side: replays of kernels do not hold Python's lock, so that a short run waits less."""
-    Thread(target=lambda: [import_module(name) for name in modules]).start()
 
 
 @contextmanager
