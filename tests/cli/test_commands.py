@@ -17,6 +17,7 @@ from typer.testing import CliRunner, Result
 import warpgran as wg
 from warpgran.case import read_study
 from warpgran.cli.app import app
+from warpgran.cli.arguments import bytes_of
 from warpgran.schema import Status
 
 QUICK = """
@@ -99,6 +100,41 @@ def test_check_says_what_a_run_asks_for(folder: Path) -> None:
     assert names(folder) == ["quick.toml"]
 
 
+def test_check_examines_some_runs_of_a_large_study(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("warpgran.cli.check.EXAMINED", 50)
+    values = [0.5 + 1e-4 * run for run in range(300)]
+    sweep = ["--set", "sweep.mode=zip", "--set", f"sweep.over.column.phi={values}"]
+    result = warpgran("check", "quick.toml", *sweep)
+    assert result.exit_code == 0
+    assert "about 50 of 300 runs were checked, those with the least and the greatest values" in result.stdout
+    values[137] = 1.5
+    result = warpgran("check", "quick.toml", "--set", f"sweep.over.column.phi={values}", *sweep[:2])
+    assert result.exit_code == 2
+    assert "column.phi: 1.5 is out of range" in result.stderr
+    assert "run 137" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("sizes", "bytes_"),
+    [(("4GiB", "4gib", "4 Gi", "4294967296"), 4 * 2**30), (("4GB", "4g", "4e9", "4000MB"), 4e9), (("1.5KiB",), 1536.0)],
+)
+def test_sizes_of_memory(sizes: tuple[str, ...], bytes_: float) -> None:
+    assert [bytes_of(size) for size in sizes] == [bytes_] * len(sizes)
+
+
+def test_a_loss_through_the_end_is_told_and_marked(folder: Path) -> None:
+    result = warpgran("run", "quick.toml", "--set", "grid.right=0.02", "--set", "grid.cells=200", "--no-picture")
+    told = [line for line in result.stderr.splitlines() if "lost solid" in line]
+    assert len(told) == 1 and told[0].startswith("warpgran: run 0 lost solid through an end of the grid (")
+    assert result.exit_code == 0
+    assert "> a lower bound: solid has left the grid" in result.stdout
+    summary = warpgran("summary", "quick.h5")
+    assert told[0] in summary.stderr
+    warpgran("summary", "quick.h5", "--csv", "table.csv")
+    header, row = (folder / "table.csv").read_text().splitlines()
+    assert dict(zip(header.split(","), row.split(","), strict=True))["left_grid"] == "True"
+
+
 def test_info_names_the_devices(folder: Path) -> None:
     result = warpgran("info")
     assert result.exit_code == 0
@@ -132,6 +168,14 @@ BAD = [
     (["run", "quick.toml", "--set", "rheology.mu1=-0.3"], "rheology.mu1: -0.3"),
     (["run", "quick.toml", "--set", "rheology.K=nan"], "rheology.K"),
     (["run", "quick.toml", "--set", "time.end=soon"], "time.end"),
+    (["run", "quick.toml", "--set", "time.end=5e-324"], "time.end: 5e-324 is out of range; allowed: 0, or a size from"),
+    (["check", "quick.toml", "--set", "scheme.cfl=1e-320"], "scheme.cfl: 1e-320 is out of range"),
+    (["run", "quick.toml", "--engine", "numpy", "--set", "grid.right=1e160"], "grid.right: 1e+160 is out of range"),
+    (["check", "quick.toml", "--set", f"grid.cells={'9' * 5000}"], "grid.cells"),
+    (["run", "quick.toml", "--threads", "9" * 21], "is out of range; allowed: 1 to 4096"),
+    (["run", "quick.toml", "--memory", "1e400GB"], "memory: inf is out of range"),
+    (["run", "quick.toml", "--memory", "4Q"], "memory: '4Q' is not a size"),
+    (["run", "quick.toml", "--shard", "²/3"], "shard: '²/3' is not a shard; allowed: I/N"),
     (["run", "quick.toml", "--set", "slope.bed=missing.csv"], "missing.csv"),
     (["run", "quick.toml", "--set", "slope.bed=quick.toml"], "slope.bed"),
     (["run", "quick.toml", "--set", "column.start=0.55"], "column"),

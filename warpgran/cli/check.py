@@ -8,8 +8,10 @@ from warpgran.cli.arguments import Precision, RunFile, Set
 from warpgran.cli.report import warn_of
 from warpgran.cli.terminal import read, say
 
-EXAMINED = 10_000
-"""Most runs that are checked and counted; `warpgran run` checks all."""
+EXAMINED = 5000
+"""Most runs that are checked; `warpgran run` checks all."""
+COUNTED = 1000
+"""Most runs whose steps are counted."""
 
 
 def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> None:
@@ -23,7 +25,7 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
 
     study = read(file, set_, most=EXAMINED)
     layout = Layout(study)
-    counted = sampled_runs({}, len(study), EXAMINED)
+    counted = sampled_runs({}, len(study), COUNTED)
     cell_steps = sum(least_steps(case) * case.grid.cells for case in map(study.__getitem__, counted))
     per_run = 8 * sum(math.prod(column.shape) for column in layout.columns.values())
     case, outputs = study.base, layout.outputs
@@ -42,9 +44,9 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     )
     say(f"memory: {size(memory)} a run being computed")
     say(f"file: {size(per_run * len(study))} before compression")
-    if len(counted) < len(study):
-        extremes = "" if study.given else ", those with the least and the greatest values among them"
-        say(f"about {len(counted)} of {len(study)} runs were checked{extremes}; warpgran run checks all")
+    if len(study) > EXAMINED:
+        extremes = "those with the least and the greatest values among them"
+        say(f"about {EXAMINED} of {len(study)} runs were checked, {extremes}; warpgran run checks all")
 
 
 def size(n: float) -> str:

@@ -1,0 +1,156 @@
+"""Run files mutated at random, by text and by value: each is checked and, where it is valid, run for a few steps.
+
+    python tests/adversary/mutated_run_files.py --files 500 --seed 1
+
+No command may end in a traceback, crash or take longer than 20 s, and what a bad file is refused with may not steer the
+terminal. Takes some minutes; the files that show a fault are kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import re
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # tests/
+
+from helpers.attempts import Attempt, Tries
+from helpers.places import ROOT
+
+BED = "x,b\n-0.2,0.0\n0.3,0.02\n1.6,0.0\n"
+PROFILE = "x,h,phi,v\n-0.2,0.1,0.6,0.0\n0.0,0.14,0.62,0.1\n0.2,0.0,0.6,0.0\n"
+TABLES = '[slope]\nangle = 16\nbed = "bed.csv"\n[column]\nprofile = "profile.csv"\n[time]\nend = 0.2\n'
+DESIGN = (
+    '[time]\nend = 0.1\nseries = { every = 0.05 }\n[sensitivity]\nmethod = "morris"\nsamples = 2\n'
+    '[sensitivity.over]\n"rheology.K" = { low = 0, high = 4 }\n"slope.angle" = { mean = 10, sd = 2 }\n'
+)
+ODD = [
+    "0", "-0.0", "1", "-1", "1e-320", "5e-324", "1e-30", "1e-12", "1e30", "1e160", "1.7976931348623157e308", "-1e308",
+    "inf", "-inf", "nan", "9" * 25, "9" * 5000, "-9223372036854775809", "2147483648", "1e400", "0x7fffffffffffffff",
+    "true", "[]", "{}", '""', '"\\u0000"', '"\\u001b[2J"', '"' + "x" * 3000 + '"', "[0, 1e-320]", "[" * 200 + "]" * 200,
+    "{ every = 1e-320 }", "{ every = 5e-324 }", "{ low = 0, high = 1e308 }", "1979-05-27", "07:32:00", '"bed.csv"',
+    '"/dev/null"', '"."', "0.5", "80", "[1, 2, 3]", '["f0", "f2"]', "1e-9", "12345678",
+]  # fmt: skip
+STRANGE = [
+    "\x00", "\x1b[31m", "\u202e", "\ud7ff", "\n", '"', "'", "[", "]", "=", "#", "{", "}", "\\", "\t", "é", "'''", '"""',
+]  # fmt: skip
+QUICK = ["--set", "time.step_limit=30", "--set", "grid.cells=80"]
+
+
+def texts() -> list[str]:
+    """Files to begin from."""
+    ours = sorted((ROOT / "runs").rglob("*.toml"))
+    return [path.read_text(encoding="utf-8") for path in ours] + [TABLES, TABLES, DESIGN, DESIGN, ""]
+
+
+def keys() -> list[str]:
+    """Every dotted key, those of a sweep too."""
+    from warpgran.case.sections import KEYS
+
+    return [*KEYS, "title", "sweep.mode", "sweep.samples", "sweep.seed", "sweep.from", "sweep.over.slope.angle"]
+
+
+def by_text(text: str, rng: random.Random) -> str:
+    """A few characters or lines removed, doubled, moved or replaced."""
+    for _ in range(rng.randint(1, 4)):
+        at = rng.randrange(len(text) + 1)
+        lines = text.split("\n")
+        how = rng.randrange(6)
+        if how == 0:
+            text = text[:at] + rng.choice(STRANGE) + text[at:]
+        elif how == 1:
+            text = text[:at] + text[at + rng.randint(1, 8) :]
+        elif how == 2:
+            text = text[:at]
+        elif how == 3:
+            rng.shuffle(lines)
+            text = "\n".join(lines)
+        elif how == 4:
+            text = "\n".join([*lines, rng.choice(lines)])
+        else:
+            text = text[:at] + chr(rng.choice([rng.randrange(1, 128), rng.randrange(128, 0xD800)])) + text[at + 1 :]
+    return text
+
+
+def by_value(text: str, rng: random.Random) -> str:
+    """Numbers of the file replaced by odd ones."""
+    for _ in range(rng.randint(1, 3)):
+        found = list(re.finditer(r"(?<=[=\[ ,])-?\d[\d.e-]*", text))
+        if found:
+            number = rng.choice(found)
+            text = text[: number.start()] + rng.choice(ODD) + text[number.end() :]
+    return text
+
+
+def overrides(known: list[str], rng: random.Random) -> list[str]:
+    """Keys set to odd values on the command line."""
+    chosen = [f"{rng.choice(known)}={rng.choice(ODD)}" for _ in range(rng.randint(1, 3))]
+    return [word for change in chosen for word in ("--set", change.replace("\0", ""))]
+
+
+def judged(attempt: Attempt) -> str:
+    """The fault of an attempt."""
+    if attempt.fault:
+        return attempt.fault
+    if attempt.code not in (0, 1, 2):
+        return f"exit status {attempt.code}"
+    steering = [c for c in attempt.text if not c.isprintable() and c not in "\n\xa0"]
+    return f"writes {steering[:3]}" if steering else ""
+
+
+def main() -> None:
+    """Try as many files as asked for, and say what was found."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--files", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    asked = parser.parse_args()
+    folder = Path(tempfile.mkdtemp(prefix="mutated-"))
+    (folder / "bed.csv").write_text(BED)
+    (folder / "profile.csv").write_text(PROFILE)
+    bases, known, faults, counts, slowest = texts(), keys(), 0, {0: 0, 1: 0, 2: 0}, 0.0
+    with Tries(folder) as tries:
+        for n in range(asked.files):
+            rng = random.Random(f"{asked.seed} {n}")
+            text, sets = rng.choice(bases), []
+            kind = rng.randrange(3)
+            if kind == 0:
+                text = by_text(text, rng)
+            elif kind == 1:
+                text = by_value(text, rng)
+            else:
+                sets = overrides(known, rng)
+            file = folder / f"mutated_{n}.toml"
+            file.write_bytes(text.encode("utf-8", "replace"))
+            commands = [["check", file.name, *sets]]
+            if rng.random() < 0.8:
+                engine = rng.choice(["numpy", "numpy", "warp"])
+                picture = rng.choice(["--picture", "--no-picture"])
+                commands.append(
+                    ["run", file.name, *sets, *QUICK, "--engine", engine, picture, "-o", "out.h5", "--force"]
+                )
+            for command in commands:
+                attempt = tries.of(*command)
+                slowest = max(slowest, attempt.seconds)
+                fault = judged(attempt)
+                counts[attempt.code] = counts.get(attempt.code, 0) + 1
+                if fault:
+                    faults += 1
+                    print(f"{n}: {fault} after {attempt.seconds:.1f} s: warpgran {' '.join(command)}"[:400])
+                    print("   ", attempt.text.strip()[-600:].encode("unicode_escape").decode())
+                many = re.search(r"^(\d+) runs", attempt.text, re.MULTILINE)
+                if fault or attempt.code == 2 or (many and int(many[1]) > 64):
+                    break
+            if not fault:
+                file.unlink()
+    print(f"{asked.files} files, by exit status {counts}, slowest {slowest:.1f} s, {faults} faults")
+    if faults:
+        sys.exit(f"the files are kept in {folder}")
+    shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    main()
