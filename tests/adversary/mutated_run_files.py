@@ -77,12 +77,13 @@ def by_text(text: str, rng: random.Random) -> str:
 
 
 def by_value(text: str, rng: random.Random) -> str:
-    """Numbers of the file replaced by odd ones."""
+    """Numbers of the file replaced by odd ones, or some powers of ten away."""
     for _ in range(rng.randint(1, 3)):
         found = list(re.finditer(r"(?<=[=\[ ,])-?\d[\d.e-]*", text))
         if found:
             number = rng.choice(found)
-            text = text[: number.start()] + rng.choice(ODD) + text[number.end() :]
+            scaled = f"{number[0]}e{rng.randint(-3, 3)}"
+            text = text[: number.start()] + rng.choice([scaled, rng.choice(ODD)]) + text[number.end() :]
     return text
 
 
