@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from warpgran.cli.arguments import Devices, Precision, RunFile, Set
-from warpgran.cli.terminal import progress_bar, stdout
+from warpgran.cli.terminal import progress_bar, say, stdout, tell
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,15 +50,15 @@ def calibrate(
         with progress_bar("{task.completed:.4g} of {task.total:.4g}") as show:
             found = run_stages(study, data, folder, options, stage, lambda words, done, of: show(done, of, words))
     except KeyboardInterrupt:
-        typer.echo("warpgran: interrupted; what was computed is kept, start again to resume", err=True)
+        tell("interrupted; what was computed is kept, start again to resume")
         raise typer.Exit(130) from None
     if study.base.title:
-        typer.echo(study.base.title)
+        say(study.base.title)
     stdout(WIDTH).print(_table(found.table()))
     for line in found.told():
-        typer.echo(line)
+        say(line)
     for path in found.write():
-        typer.echo(f"wrote {path}")
+        say(f"wrote {path}")
     raise typer.Exit(0 if found.converged else 1)
 
 
