@@ -20,7 +20,7 @@ from warpgran.case.study import Study
 from warpgran.errors import CaveatWarning
 from warpgran.results.reading import open_dataset
 from warpgran.run.options import Options
-from warpgran.run.simulate import simulate
+from warpgran.run.simulate import simulate_quietly
 from warpgran.run.to_file import bring_up_to_date
 from warpgran.schema import CLEAN
 
@@ -120,7 +120,7 @@ class Forward:
             options = self.options
             with warnings.catch_warnings():  # runs that failed are counted; the others are not read beyond their data
                 warnings.simplefilter("ignore", CaveatWarning)
-                data = simulate(study, device=options.device, precision=options.precision,
+                data = simulate_quietly(study, device=options.device, precision=options.precision,
                                 engine=options.engine, threads=options.threads)  # fmt: skip
             found.append(self.predictions(data, valid))
             self.tally.add(data)
