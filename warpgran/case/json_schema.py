@@ -89,7 +89,7 @@ def _plainer(schema: Any) -> Any:
 
 def _over(over: dict[str, Any], properties: dict[str, Any]) -> dict[str, Any]:
     """What can vary, key by key, dotted in quotes or nested: the values of a list are as good as single ones."""
-    forms = over.pop("additionalProperties")
+    forms = over.pop("additionalProperties", True)
     if forms is True:  # a section whose distributions are read apart
         forms = {"$ref": "#/$defs/Distribution"}
     dotted: dict[str, Any] = {}

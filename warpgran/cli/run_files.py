@@ -28,7 +28,7 @@ def new(
 
 def schema() -> None:
     """Print the JSON schema of run files, for editors that check and complete TOML."""
-    from warpgran.case.json_schema import text
+    from warpgran.case.json_schema import SHIPPED
 
-    for line in text().splitlines():
+    for line in SHIPPED.read_text(encoding="utf-8").splitlines():
         say(line)
