@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import os
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -72,8 +75,8 @@ def test_failure_leaves_the_old_file_and_nothing_else(
     path = tmp_path / "page.png"
     path.write_text("old warpgran")
 
-    def half(figure: Figure, part: Path, **options: Any) -> None:
-        part.write_text("half")
+    def half(figure: Figure, part: BytesIO, **options: Any) -> None:
+        part.write(b"half")
         raise OSError("disk full")
 
     monkeypatch.setattr(Figure, "savefig", half)
@@ -87,3 +90,16 @@ def test_drawing_leaves_matplotlib_as_it_was(tmp_path: Path) -> None:
     before = dict(matplotlib.rcParams)
     wg.plot(collapse(), tmp_path / "page.png")
     assert dict(matplotlib.rcParams) == before
+
+
+@pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
+def test_a_full_disk_is_told_with_the_name_of_the_picture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    def full(path: Path, data: bytes) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(wg.StorageError, match=rf"cannot write .*/a\.{suffix}: No space left on device"):
+        wg.plot(collapse(), tmp_path / f"a.{suffix}")
+    assert not list(tmp_path.iterdir())

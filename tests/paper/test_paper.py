@@ -18,6 +18,7 @@ from warpgran.case.read_study import read_study
 from warpgran.case.study import Study
 from warpgran.case.tables import TableError
 from warpgran.cli.app import app
+from warpgran.files import StorageError
 from warpgran.paper import claims_coefficients, claims_dilatancy, claims_motion, claims_regime, claims_scheme, panels
 from warpgran.paper.catalogue import CLAIMS, PICTURES, chosen
 from warpgran.paper.claim import Claim
@@ -324,6 +325,9 @@ def test_what_matches_is_left_alone_and_what_does_not_is_computed_anew(tmp_path:
     assert bring_up_to_date(study(10.0), path, Options(), progress=told.append)
     assert "angle = 10.0" in open_dataset(path).attrs["case_toml"]
     path.write_bytes(b"no result")
+    with pytest.raises(StorageError, match="is there and is no result; remove it first"):
+        bring_up_to_date(study(), path, Options())
+    path.unlink()
     assert bring_up_to_date(study(), path, Options())
     assert open_dataset(path).sizes["run"] == 2
 

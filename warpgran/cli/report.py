@@ -33,8 +33,12 @@ def report(study: Study, data: xr.Dataset, outcome: Outcome) -> None:
         steps, seconds = outcome.cell_steps / 1e6, outcome.kernel_seconds
         say(f"{steps:.1f} million cell-steps in {seconds:.3f} s: {steps / seconds:.1f} million a second")
     if outcome.interrupted:
-        partial = pending(data["status"].values).any()
-        what = "go on with --resume" if partial else "the file is complete, of this start or an earlier one"
+        if not pending(data["status"].values).any():
+            what = "the file is complete, of this start or an earlier one"
+        elif data.sizes["run"] > 1:
+            what = "go on with --resume"
+        else:
+            what = "what it had is in the file; a single run begins anew"
         tell(f"interrupted; {what}")
 
 

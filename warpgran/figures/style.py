@@ -133,8 +133,11 @@ def save(figure: Figure, path: Path, dpi: float = 200, **metadata: str | None) -
         StorageError: It cannot be written, or something else is there.
     """
     name = "Software" if path.suffix.lower() == ".png" else "Creator"
+    picture = BytesIO()  # since matplotlib's writer of .pdf takes a full disk for a defect
     with replacing(path, ours=MARK) as part:
-        figure.savefig(part, dpi=dpi, metadata={name: f"warpgran {version('warpgran')}", **metadata})
+        metadata = {name: f"warpgran {version('warpgran')}", **metadata}
+        figure.savefig(picture, format=path.suffix.lower()[1:], dpi=dpi, metadata=metadata)
+        part.write_bytes(picture.getvalue())
 
 
 def letter(axes: Sequence[Axes]) -> None:

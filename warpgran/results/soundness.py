@@ -13,7 +13,10 @@ from warpgran.arrays import Array
 from warpgran.files import StorageError
 from warpgran.schema import COORDINATES, FIELDS, GRID, PER_RUN, SCHEMA_VERSION, SERIES, Status, Variable, is_key
 
-TEXTS = ("title", "run_file", "case_toml", "identity", "precision", "engine", "device")
+TEXTS = (
+    "title", "run_file", "case_toml", "identity", "precision", "engine", "device", "history", "warpgran_version",
+    "warp_version",
+)  # fmt: skip
 NUMBERS = ("study_runs", "cell_steps", "kernel_seconds", "wall_seconds")
 _MOST_PACKED = 2000
 """Most bytes of numbers that a byte of a file can hold, about: what deflate does at best, twice over."""
@@ -67,7 +70,7 @@ def _fault(file: h5py.File, size: int) -> str:
             return f"{name} is stored in another place"
         if isinstance(item, h5py.Dataset) and item.size and item.nbytes > _MOST_PACKED * size:
             return f"{name} is larger than the file can hold"
-    for name in TEXTS:
+    for name in (*TEXTS, *(["sensitivity"] if "sensitivity" in file.attrs else [])):
         if not isinstance(file.attrs.get(name), str):
             return f"the attribute {name} is not text"
     for name in NUMBERS:

@@ -1,0 +1,82 @@
+"""200 part files with flipped, zeroed or missing bytes, resumed: refused in a line, or the bits of the whole study."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent.parent))  # for tests/helpers
+
+from helpers.attack import QUICK, SWEEP, Ended, prepared, report, same, tried, warpgran
+
+TRIALS = 200
+
+
+def main() -> None:
+    """Resume corrupted copies of the part file of a study that was killed."""
+    rng = random.Random(1)
+    ended: list[Ended] = []
+    findings: list[str] = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        whole = prepared(folder, QUICK + SWEEP, "--no-picture")
+        part = _half(folder)
+        for trial in range(int(sys.argv[1]) if len(sys.argv) > 1 else TRIALS):
+            here = folder / f"trial{trial}"
+            here.mkdir()
+            how, data = _corrupted(part.read_bytes(), rng)
+            (here / "out.h5.part").write_bytes(data)
+            end = warpgran("run", "../case.toml", "-o", "out.h5", "--resume", "--no-picture", folder=here)
+            wrong = end.finding
+            if not wrong and end.code == 0 and not same(here / "out.h5", whole):
+                wrong = "resumed to other numbers"
+            if not wrong and end.code == 2 and len(end.said.strip().splitlines()) != 1:
+                wrong = f"several lines: {end.said}"
+            ended.append(end)
+            findings += [f"trial {trial}, {how}: {wrong}"] if wrong else []
+            shutil.rmtree(here)
+    report("corrupted part files", ended, findings)
+
+
+def _half(folder: Path) -> Path:
+    """A part file with 8 of 12 runs."""
+
+    def work() -> None:
+        from warpgran.case.read_study import read_study
+        from warpgran.run import threads
+        from warpgran.run.options import Options
+        from warpgran.run.outcome import Outcome, Progress, Sink
+        from warpgran.run.to_file import run_to_file
+
+        def killed(sink: Sink, options: Options, runs: Sequence[int], progress: Progress) -> Outcome:
+            threads.compute(sink, options, runs[:8], progress)
+            sys.exit(0)
+
+        run_to_file(read_study("case.toml"), Path("half.h5"), Options(), compute=killed)
+
+    assert tried(work, folder).code == 0
+    return folder / "half.h5.part"
+
+
+def _corrupted(data: bytes, rng: random.Random) -> tuple[str, bytes]:
+    """What was done, and the bytes."""
+    spoiled, kind, size = bytearray(data), rng.random(), len(data)
+    near = rng.choice((size, size, 30_000))  # the structure stands at the beginning
+    at = rng.randrange(min(near, size))
+    if kind < 0.1:
+        return f"cut at {at}", data[:at]
+    if kind < 0.25:
+        spoiled[at : at + 512] = bytes(len(spoiled[at : at + 512]))
+        return f"512 zeros at {at}", bytes(spoiled)
+    places = [rng.randrange(min(near, size)) for _ in range(rng.choice((1, 1, 2, 8)))]
+    for place in places:
+        spoiled[place] ^= 1 << rng.randrange(8)
+    return f"bits flipped at {places}", bytes(spoiled)
+
+
+if __name__ == "__main__":
+    main()
