@@ -138,6 +138,15 @@ def test_arviz_reads_it(found: Calibrated, path: Path) -> None:
     assert data["posterior_predictive"]["front"].sizes["front_datum"] == data["observed_data"]["front"].size
 
 
+@pytest.mark.skipif(
+    not hasattr(xr, "open_datatree"), reason="xarray before 2024.10 has no trees, as ArviZ 1 reads them"
+)
+def test_it_is_a_tree_of_datasets(found: Calibrated, path: Path) -> None:
+    with xr.open_datatree(path, engine="h5netcdf") as tree:
+        assert set(tree.children) == read_result(path).keys() - {"/"}
+        assert tree["posterior"].sizes["draw"] == found.stages.posterior.samples.theta.shape[1]
+
+
 class Reader(HTMLParser):
     """The text and the pictures of a page."""
 

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from warpgran.arrays import Array
 from warpgran.figures.names import Parameter, named
@@ -88,6 +89,7 @@ def draw_priors(found: Calibrated) -> Figure:
             ax.axvline(name.factor * found.stages.fit.theta[k], color=FIT, label="best fit")
             if prior.logarithmic:
                 ax.set_xscale("log")
+                ax.xaxis.set_minor_formatter(NullFormatter())  # of less than a decade it would label every tick
             ax.set_xlabel(name.label)
             ax.set_yticks([])
             ax.set_ylim(bottom=0)

@@ -191,9 +191,9 @@ def _fit(page: Page, stages: Stages) -> None:
     page.heading("Best fit", "best-fit")
     fit = stages.fit
     page.paragraph(
-        f"Least squares from {len(fit.ends)} starts; log likelihood {fit.log_likelihood:.2f}. Covariance from the "
-        "Fisher information and the prior, before the error of the grid is added; below the diagonal correlations, on "
-        "and above it covariances."
+        f"Least squares from {len(fit.ends)} starts, of the likelihood alone within the bounds of the priors; log "
+        f"likelihood {fit.log_likelihood:.2f}. Covariance from the Fisher information and the prior, before the error "
+        "of the grid is added; below the diagonal correlations, on and above it covariances."
     )
     sd = np.sqrt(np.diag(fit.covariance))
     correlation = fit.covariance / np.outer(sd, sd)
