@@ -9,6 +9,7 @@ import shlex
 from collections.abc import Iterator
 from glob import glob
 from pathlib import Path
+from shutil import copytree
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -23,7 +24,7 @@ from warpgran.cli.app import app
 
 DOCUMENTS = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
 SUITE = [*(ROOT / "warpgran").rglob("*.py"), *(ROOT / "kernels").rglob("*.py")]
-SLOW = ("reproduce", "verify")
+SLOW = ("calibrate", "reproduce", "verify")
 ELSEWHERE = ("cuda", "tcp://")
 """Arguments of commands that need another machine; these and the slow ones are parsed, not run."""
 BATCH = {"SLURM_ARRAY_TASK_ID": "3", "SLURM_CPUS_PER_TASK": "2"}
@@ -38,6 +39,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         text = re.sub(r"^cells = \d+", "cells = 60", file.read_text(encoding="utf-8"), flags=re.MULTILINE)
         text = re.sub(r"^samples = \d+", "samples = 32", text, flags=re.MULTILINE)
         (path / "runs" / file.name).write_text(text, encoding="utf-8")
+    copytree(RUNS / "calibrate_two_slopes", path / "runs" / "calibrate_two_slopes")
     (path / "sweep.toml").write_text((path / "runs" / "sweep_latin.toml").read_text(encoding="utf-8"), encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -17,7 +16,6 @@ from warpgran.calibration.experiments import Experiments, Observed
 from warpgran.case.case import Case
 from warpgran.case.problems import CaseError
 from warpgran.case.study import Study
-from warpgran.errors import CaveatWarning
 from warpgran.results.reading import open_dataset
 from warpgran.run.options import Options
 from warpgran.run.simulate import simulate_quietly
@@ -118,10 +116,13 @@ class Forward:
                 found.append(np.full((valid.size, self.experiments.size), np.nan))
                 continue
             options = self.options
-            with warnings.catch_warnings():  # runs that failed are counted; the others are not read beyond their data
-                warnings.simplefilter("ignore", CaveatWarning)
-                data = simulate_quietly(study, device=options.device, precision=options.precision,
-                                engine=options.engine, threads=options.threads)  # fmt: skip
+            data = simulate_quietly(
+                study,
+                device=options.device,
+                precision=options.precision,
+                engine=options.engine,
+                threads=options.threads,
+            )
             found.append(self.predictions(data, valid))
             self.tally.add(data)
             progress(float(begin + valid.size) * each, float(len(theta)) * each)
