@@ -30,6 +30,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "run": {"case", "solve", "results", "analysis", *LEAVES},
     "studies": {"run", "figures", "analysis", "results", "case", *LEAVES},
     "calibration": {"run", "figures", "analysis", "results", "case", *LEAVES},
+    "sensitivity_analysis": {"run", "figures", "analysis", "results", "case", *LEAVES},
     "verification": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},
     "paper": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},
 }

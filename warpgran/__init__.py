@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from warpgran.results.reading import open_dataset as open_dataset
     from warpgran.run.cluster import ClusterError as ClusterError
     from warpgran.run.simulate import simulate as simulate
+    from warpgran.sensitivity_analysis.indices import indices as indices
+    from warpgran.sensitivity_analysis.study import sensitivity as sensitivity
     from warpgran.solve.device import DeviceError as DeviceError
     from warpgran.studies.converge import converge as converge
 
@@ -55,9 +57,11 @@ _HOME = {
     "converge": "studies.converge",
     "derive": "analysis.fields",
     "forces": "analysis.forces",
+    "indices": "sensitivity_analysis.indices",
     "open_dataset": "results.reading",
     "plot": "figures.plot",
     "read_study": "case.read_study",
+    "sensitivity": "sensitivity_analysis.study",
     "simulate": "run.simulate",
     "summary": "analysis.summary",
     "with_keys": "analysis.runs",

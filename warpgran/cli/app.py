@@ -18,6 +18,7 @@ from warpgran.cli.pictures import animate, plot
 from warpgran.cli.reproduce import reproduce
 from warpgran.cli.run import run
 from warpgran.cli.run_files import new, schema
+from warpgran.cli.sensitivity import sensitivity
 from warpgran.cli.terminal import say, tell
 from warpgran.cli.verify import verify
 from warpgran.errors import WarpgranError
@@ -69,7 +70,9 @@ def options(
     """Granular collapses with dilatancy: a depth-averaged compressible mu(I) model."""
 
 
-for command in (new, run, check, info, plot, animate, summary, merge, converge, calibrate, verify, reproduce, schema):
+for command in (
+    new, run, check, info, plot, animate, summary, merge, converge, sensitivity, calibrate, verify, reproduce, schema,
+):  # fmt: skip
     app.command()(command)
 
 

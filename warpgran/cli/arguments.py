@@ -27,6 +27,24 @@ Set = Annotated[
 Device = Annotated[str, typer.Option(help="cpu, cuda or cuda:N.")]
 Devices = Annotated[str, typer.Option("--device", help="cpu, cuda, cuda:N, or several: cuda:0,cuda:1.")]
 Precision = Annotated[Literal["float64", "float32"], typer.Option(help="Floating-point precision of the kernels.")]
+OutputFile = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="OUT.h5", help="Default: the run file's name, in this folder."),
+]
+Engine = Annotated[Literal["warp", "numpy"], typer.Option(help="Kernels, or the NumPy reference.")]
+Threads = Annotated[int | None, typer.Option(help="Blocks of runs computed at once; default: all cores.")]
+Memory = Annotated[
+    str | None,
+    typer.Option(metavar="SIZE", help="Memory of the runs computed at once, as 4GB; default: a quarter."),
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Compute only what an earlier start left out.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace what is there: another result, or an earlier start.")]
+Shard = Annotated[
+    str | None, typer.Option(metavar="I/N", help="Compute the I-th of N shards; `warpgran merge` joins them.")
+]
+Cluster = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="Compute on the workers of a dask scheduler, tcp://HOST:8786.")
+]
 Picture = Annotated[
     Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write; default: beside the result.")
 ]

@@ -29,9 +29,7 @@ def report(study: Study, data: xr.Dataset, outcome: Outcome) -> None:
     if study.base.title:
         say(study.base.title)
     print_summary(summary(data))
-    if outcome.kernel_seconds > 0.0:
-        steps, seconds = outcome.cell_steps / 1e6, outcome.kernel_seconds
-        say(f"{steps:.1f} million cell-steps in {seconds:.3f} s: {steps / seconds:.1f} million a second")
+    print_speed(outcome)
     if outcome.interrupted:
         if not pending(data["status"].values).any():
             what = "the file is complete, of this start or an earlier one"
@@ -40,6 +38,13 @@ def report(study: Study, data: xr.Dataset, outcome: Outcome) -> None:
         else:
             what = "what it had is in the file; a single run begins anew"
         tell(f"interrupted; {what}")
+
+
+def print_speed(outcome: Outcome) -> None:
+    """Print the work of the time loops and its speed, if any was done."""
+    if outcome.kernel_seconds > 0.0:
+        steps, seconds = outcome.cell_steps / 1e6, outcome.kernel_seconds
+        say(f"{steps:.1f} million cell-steps in {seconds:.3f} s: {steps / seconds:.1f} million a second")
 
 
 def warn_of(study: Study) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from warpgran.arrays import Array
 from warpgran.case.sensitivity_design import JUMP
 from warpgran.errors import ResultError
-from warpgran.sensitivity.sobol import Estimate, bootstrap
+from warpgran.sensitivity_analysis.sobol import Estimate, bootstrap
 
 
 class MorrisEffects(NamedTuple):

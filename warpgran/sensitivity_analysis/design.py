@@ -49,11 +49,13 @@ def design_of(data: xr.Dataset) -> Design:
     """
     text = data.attrs.get("sensitivity")
     if not text:
-        raise ResultError("is no sensitivity design: its run file has no section [sensitivity]")
+        raise ResultError("the result is no sensitivity design: its run file has no section [sensitivity]")
     section = read_sensitivity(tomllib.loads(text)["sensitivity"])
     asked, there = section.size * section.per_sample, np.atleast_1d(data["run"].values)
     if not np.array_equal(there, np.arange(asked)):
-        raise ResultError(f"has {there.size} of the {asked} runs of its design; allowed: all, so merge its shards")
+        raise ResultError(
+            f"the result has {there.size} of the {asked} runs of its design; allowed: all, so merge its shards"
+        )
     waiting = int(np.isin(status_words(data), WAITING).sum())
     if waiting:
         raise ResultError(f"{waiting} of the {asked} runs of the design are not computed; compute them with --resume")

@@ -12,8 +12,8 @@ from warpgran.analysis.runs import status_words
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
 from warpgran.schema import CLEAN
-from warpgran.sensitivity.design import Design
-from warpgran.sensitivity.outputs import Output
+from warpgran.sensitivity_analysis.design import Design
+from warpgran.sensitivity_analysis.outputs import Output
 
 FINAL = ("run_out", "h_max_final", "stop_time")
 """Results that a run has only once it has stopped."""
@@ -38,10 +38,10 @@ def flaws(data: xr.Dataset, outputs: Sequence[Output]) -> dict[str, Array]:
     found["lost solid through an end of the grid (make it longer)"] = warned["left_grid"]
     if names & {*FINAL}:
         advice = "make time.end later, or ask for a series at a time, such as front@0.5"
-        found[f"had not stopped, and have no {_either(sorted(names & {*FINAL}))} ({advice})"] = warned["moving"]
+        found[f"had not stopped: no {_either(sorted(names & {*FINAL}))} yet ({advice})"] = warned["moving"]
     for output in outputs:
         known = np.isfinite(output.values)
-        reason = f"have no {output.words}" + (" at some time" if output.times is not None else "")
+        reason = f"gave no {output.words}" + (" at some time" if output.times is not None else "")
         found[reason] = ~(known if known.ndim == 1 else known.all(axis=1))
     counted = np.zeros(data.sizes["run"], dtype=bool)
     for reason, which in found.items():

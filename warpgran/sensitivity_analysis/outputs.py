@@ -8,21 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from warpgran.analysis.summary import summary
 from warpgran.arrays import Array
 from warpgran.case.sensitivity_section import SINGLE, asked_problem, sample_of
 from warpgran.errors import ResultError
-from warpgran.schema import SERIES
+from warpgran.schema import PER_RUN, SERIES
 
-COLUMNS = {"run_out": "run_out", "h_max_final": "h_max", "dilation_max": "dilation_max", "stop_time": "stop_time"}
-"""Columns of the summary by the names of `SINGLE`."""
-UNITS = {"run_out": "m", "h_max_final": "m", "dilation_max": "1", "stop_time": "s"}
 WORDS = {
     "run_out": "run-out",
-    "h_max_final": "final maximum thickness",
+    "h_max_final": "final max. thickness",
     "dilation_max": "maximum dilation",
     "stop_time": "stop time",
+    "front": "front",
+    "v_flow": "largest speed",
+    "volume_change": "volume change",
+    "mass": "volume of solid",
+    "energy": "energy",
+    "outflow": "solid that has left",
 }
+"""What figures call results and series; other series are called by their long names."""
 
 
 @dataclass(frozen=True)
@@ -58,15 +61,13 @@ def outputs_of(data: xr.Dataset, of: Sequence[str]) -> list[Output]:
     if problems or not of:
         raise ResultError("; ".join(problems) or "of: asks for nothing; allowed: results of a run, and series")
     times = data["series_time"].values
-    table = summary(data) if set(of) & set(SINGLE) else None
     found = []
     for name in dict.fromkeys(of):
         series = name.partition("@")[0]
-        if table is not None and name in SINGLE:
-            values = table[COLUMNS[name]].to_numpy(dtype=float)
-            found.append(Output(name, values, None, UNITS[name], WORDS[name]))
+        if name in SINGLE:
+            found.append(Output(name, _rows(data[name]), None, PER_RUN[name].units, WORDS[name]))
             continue
-        units, words = SERIES[series].units, SERIES[series].long_name.partition(",")[0]
+        units, words = SERIES[series].units, WORDS.get(series, SERIES[series].long_name.partition(",")[0])
         if "@" not in name:
             found.append(Output(name, _rows(data[series]), times, units, words))
             continue
@@ -78,5 +79,5 @@ def outputs_of(data: xr.Dataset, of: Sequence[str]) -> list[Output]:
 
 
 def _rows(series: xr.DataArray) -> Array:
-    """A series, shape (runs, times)."""
+    """Values with the runs first."""
     return np.asarray(series.transpose("run", ...).values, dtype=float)

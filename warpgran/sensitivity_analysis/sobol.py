@@ -8,6 +8,7 @@ weighted means, so that a resample is a row of weights, and all of them, of all 
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -95,11 +96,16 @@ def bootstrap(statistic: Any, n: int, seed: int) -> tuple[Array, Array]:
         statistic: Takes rows of numbers of samples, and gives an array whose last dimension are the rows.
         n: Samples.
         seed: Of the resamples.
+
+    Returns:
+        The lower and the upper ends; NaN where a resample has no value, as when all but a few samples are alike.
     """
     from scipy import stats
 
-    found = stats.bootstrap(
-        (np.arange(n),), statistic, n_resamples=RESAMPLES, vectorized=True, method="percentile",
-        confidence_level=CONFIDENCE, random_state=np.random.default_rng(seed),
-    )  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", stats.DegenerateDataWarning)
+        found = stats.bootstrap(
+            (np.arange(n),), statistic, n_resamples=RESAMPLES, vectorized=True, method="percentile",
+            confidence_level=CONFIDENCE, random_state=np.random.default_rng(seed),
+        )  # fmt: skip
     return found.confidence_interval.low, found.confidence_interval.high

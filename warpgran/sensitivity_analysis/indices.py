@@ -9,12 +9,12 @@ import xarray as xr
 
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
-from warpgran.sensitivity.design import Design, design_of
-from warpgran.sensitivity.main_effects import main_effects
-from warpgran.sensitivity.morris import morris
-from warpgran.sensitivity.outputs import Output, outputs_of
-from warpgran.sensitivity.sobol import CONFIDENCE, Estimate, sobol
-from warpgran.sensitivity.soundness import kept
+from warpgran.sensitivity_analysis.design import Design, design_of
+from warpgran.sensitivity_analysis.main_effects import main_effects
+from warpgran.sensitivity_analysis.morris import morris
+from warpgran.sensitivity_analysis.outputs import Output, outputs_of
+from warpgran.sensitivity_analysis.sobol import CONFIDENCE, Estimate, sobol
+from warpgran.sensitivity_analysis.soundness import kept
 
 ROUNDING = {"float64": 1e-9, "float32": 1e-5}
 """Share of an output below which its standard deviation is rounding, by the precision of the runs."""
