@@ -28,8 +28,9 @@ PICTURE = DOCS / "images" / "rooms.svg"
 GROUND = ("schema", "files", "errors", "arrays", "printable")
 """Modules of the top, which import no room: drawn as the ground that the rooms stand on, without arrows."""
 COLUMN = {"kernels": 0, "physics": 1, "case": 2, "solve": 0, "analysis": 1, "results": 0, "figures": 2, "run": 0,
-          "studies": 0, "verification": 1, "paper": 2, "cli": 1, "calibration": 2,
+          "studies": 0, "verification": 1, "paper": 2, "cli": 1, "calibration": 4,
           "sensitivity_analysis": 3}  # fmt: skip
+WIDEST = max(COLUMN.values())
 COLOUR = {"kernels": "#cfe3f3", "physics": "#cfe3f3", "case": "#e1ecd0", "cli": "#f8e5c8"}
 WIDTH, HEIGHT = 2.3, 0.74
 """Of a room, in inches."""
@@ -75,11 +76,11 @@ def draw() -> Figure:
             if all(below in floor for below in rooms[room]["imports"]):
                 floor[room] = max((floor[below] + 1 for below in rooms[room]["imports"]), default=0)
     top = max(floor.values())
-    figure = Figure((2 * ACROSS + WIDTH + 0.4, (top + 1) * UP + 0.75))
+    figure = Figure((WIDEST * ACROSS + WIDTH + 0.4, (top + 1) * UP + 0.75))
     ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    ax.set(xlim=(-WIDTH / 2 - 0.2, 2 * ACROSS + WIDTH / 2 + 0.2), ylim=(-0.97, top * UP + HEIGHT + 0.26))
+    ax.set(xlim=(-WIDTH / 2 - 0.2, WIDEST * ACROSS + WIDTH / 2 + 0.2), ylim=(-0.97, top * UP + HEIGHT + 0.26))
     ax.axis("off")
-    ground = Box(-WIDTH / 2, -0.87, 2 * ACROSS + WIDTH / 2, -0.32)
+    ground = Box(-WIDTH / 2, -0.87, WIDEST * ACROSS + WIDTH / 2, -0.32)
     draw_box(ax, ground, "#e6e6e6", "    ".join(GROUND), "small modules that the rooms share")
 
     boxes = {room: Box(COLUMN[room] * ACROSS - WIDTH / 2, floor[room] * UP,
