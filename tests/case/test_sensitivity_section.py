@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.places import RUNS
 from helpers.sweeps import messages, table, write
 
 from warpgran.case.case import Case, CaseError
@@ -36,6 +37,14 @@ def test_a_design_is_a_study(tmp_path: Path) -> None:
         Case().with_(**{"time.end": 0.5, "time.series": [0.0, 0.25, 0.5]}), OVER, samples=8, of=["run_out"]
     )
     assert table(again) == table(study)
+
+
+@pytest.mark.parametrize("path", sorted(RUNS.glob("sensitivity_*.toml")), ids=lambda path: path.stem)
+def test_run_files_load(path: Path) -> None:
+    study = read_study(path)
+    assert study.base.title
+    assert study.design
+    assert study.base.time.stop_at_rest
 
 
 def test_no_profiles_that_nobody_asked_for(tmp_path: Path) -> None:

@@ -159,7 +159,10 @@ def test_lambda_by_its_key_and_its_attribute() -> None:
 # The run files that come with the project
 
 
-@pytest.mark.parametrize("path", sorted({*RUNS.glob("*.toml")} - {*RUNS.glob("sweep_*")}), ids=lambda path: path.stem)
+STUDIES = {*RUNS.glob("sweep_*"), *RUNS.glob("sensitivity_*")}
+
+
+@pytest.mark.parametrize("path", sorted({*RUNS.glob("*.toml")} - STUDIES), ids=lambda path: path.stem)
 def test_run_files_load(path: Path) -> None:
     case = Case.from_toml(path)
     assert case.title
