@@ -20,7 +20,7 @@ height = 0.1
 length = 0.1
 [grid]
 right = 0.6
-cells = 40
+cells = 160
 [time]
 end = 0.3
 series = { every = 0.05 }
