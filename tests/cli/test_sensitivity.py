@@ -210,7 +210,7 @@ def test_check_says_how_many_runs_a_design_has(folder: Path) -> None:
         (("a.toml", "--set", "sensitivity.samples=7"), "7 is no power of 2"),
         (("a.toml", "--set", "slope.angle=7"), "the design varies it"),
         (("a.toml", "--device", "cuda:7"), "is not on this machine"),
-        (("a.toml", "--shard", "9/2"), "'9/2' is not a share"),
+        (("a.toml", "--shard", "9/2"), "'9/2' is not a shard"),
     ],
 )
 def test_bad_input_is_refused_in_a_line(folder: Path, arguments: tuple[str, ...], words: str) -> None:
