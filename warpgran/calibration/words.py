@@ -12,6 +12,8 @@ from warpgran.calibration.experiments import UNITS
 from warpgran.calibration.forward import Tally
 from warpgran.calibration.screening import shares_at
 from warpgran.calibration.stages import Stages
+from warpgran.case.study import Study
+from warpgran.case.unlikely import unlikely
 
 EDGE = 0.05
 """Outermost share of a prior, that a posterior may lean on."""
@@ -48,8 +50,9 @@ def table(stages: Stages, reached: Callable[[str], bool]) -> pd.DataFrame:
 
 
 def of_screening(stages: Stages) -> Iterator[str]:
-    """Failed runs, and measurements beyond the reach of the model."""
+    """What is unlikely of the case, failed runs, and measurements beyond the reach of the model."""
     found = stages.screening
+    yield from unlikely(Study(stages.experiments.base, {}))
     if found.failed:
         share = f"{found.failed} of {len(found.theta)} points of the prior"
         yield f"{share} have no likelihood: their runs failed, or cannot be made; they count as impossible"
@@ -79,11 +82,15 @@ def _place(t: float, x: float) -> str:
 
 
 def of_fit(stages: Stages) -> Iterator[str]:
-    """Combinations that the data leave open, and the error of the grid."""
+    """Combinations that the data determine best, least, and not at all, and the error of the grid."""
     fit = stages.fit
-    for ratio, vector in fit.combinations():
-        if ratio > LIKE_PRIOR:
-            yield f"not determined by the data: {_combination(fit.names, vector * fit.units, vector)} ({_left(ratio)})"
+    combinations = fit.combinations()
+    for k, (ratio, vector) in enumerate(combinations):
+        is_open = ratio > LIKE_PRIOR
+        if is_open or k in (0, len(combinations) - 1):
+            how = "not determined by the data" if is_open else "least determined" if k else "best determined"
+            moves = _combination(fit.names, vector * fit.units, vector)
+            yield f"{how}: {moves} ({ratio:.0%} of the width of the prior is left)"
     ends = fit.ends[:, -1]
     if len(ends) > 1 and ends.max() - ends[ends < ends.max()].max(initial=-np.inf) > 2.0:
         yield f"of {len(ends)} starts one has led to the best fit: there are several valleys, or too few starts"
@@ -91,11 +98,7 @@ def of_fit(stages: Stages) -> Iterator[str]:
         grid = stages.grid_error[stages.error_model.places(kind)]
         size = float(np.sqrt(np.mean(grid**2)))
         share = f"{size / errors.scale:.1%} of what was measured"
-        yield f"{kind}: the error of the grid is {size:.2g} {_unit(kind)}, {share}, and is added to the noise"
-
-
-def _left(ratio: float) -> str:
-    return f"{ratio:.0%} of the width of the prior is left"
+        yield f"{kind}: the error of the grid is {size:.2g}{_unit(kind)}, {share}, and is added to the noise"
 
 
 def _combination(names: tuple[str, ...], steps: Array, parts: Array) -> str:
@@ -108,7 +111,7 @@ def _combination(names: tuple[str, ...], steps: Array, parts: Array) -> str:
 
 
 def _unit(kind: str) -> str:
-    return UNITS[kind] if UNITS[kind] != "1" else ""
+    return f" {UNITS[kind]}" if UNITS[kind] != "1" else ""
 
 
 def of_posterior(stages: Stages) -> Iterator[str]:
@@ -132,7 +135,7 @@ def of_posterior(stages: Stages) -> Iterator[str]:
         data = f"{errors.data} measurements are worth {errors.effective(node):.0f} independent ones at the best fit"
         noise = ""
         if not errors.known:
-            noise = f"noise of {np.median(found.errors[f'{kind} noise']):.2g} {_unit(kind)} inferred; "
+            noise = f"noise of {np.median(found.errors[f'{kind} noise']):.2g}{_unit(kind)} inferred; "
         yield f"{kind}: {noise}error of the model {middle:.1%} ({low:.1%} to {high:.1%}) of what was measured; {data}"
 
 
