@@ -172,6 +172,14 @@ def test_the_command_refuses_wrong_input_with_a_line_each(tmp_path: Path) -> Non
     assert (refused.exit_code, refused.output.count("\n")) == (2, 1)
 
 
+def test_check_checks_the_section(tmp_path: Path) -> None:
+    (tmp_path / "two.toml").write_text(RUN_FILE)
+    done = CliRunner().invoke(app, ["check", str(tmp_path / "two.toml")])
+    assert done.exit_code == 0 and "warpgran calibrate fits rheology.mu1, rheology.phi_stat\n" in done.output
+    refused = CliRunner().invoke(app, ["check", str(tmp_path / "two.toml"), "--set", "calibration.starts=0"])
+    assert refused.exit_code == 2 and "calibration.starts: 0 is out of range" in refused.output
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "sigma"), [(1, True), (2, False), (3, True)])
 def test_truths_are_recovered_from_noisy_measurements(tmp_path: Path, seed: int, sigma: bool) -> None:

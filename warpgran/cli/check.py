@@ -17,13 +17,16 @@ COUNTED = 1000
 def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> None:
     """Check a run file without running it: mistakes, unlikely values, grid, outputs, steps, memory and file size."""
     from warpgran.analysis.units import unit_of
+    from warpgran.case.calibration_section import NAME, read_calibration
     from warpgran.case.least_steps import least_steps
     from warpgran.case.sampled_runs import sampled_runs
+    from warpgran.case.toml import load
     from warpgran.results.layout import Layout
     from warpgran.solve.state import bytes_of_run, bytes_of_start
     from warpgran.solve.variant import variant_of
 
     study = read(file, set_, most=EXAMINED)
+    fitted = [*read_calibration(file, set_ or ()).priors] if NAME in load(str(file))[1] else []
     layout = Layout(study)
     counted = sampled_runs({}, len(study), COUNTED)
     cell_steps = sum(least_steps(case) * case.grid.cells for case in map(study.__getitem__, counted))
@@ -34,6 +37,8 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     warn_of(study)
     say(f"{file}: {case.title or 'untitled'}")
     say(f"{runs}{over}")
+    if fitted:
+        say(f"warpgran calibrate fits {', '.join(fitted)}")
     dx = unit_of(case.dx).text(case.dx)
     say(f"{layout.cells} cells of {dx}, t = {case.time.end:g} s, {least_steps(case):.10g} steps or more")
     say(f"{outputs.snapshots} snapshots and {outputs.samples} samples")
