@@ -122,6 +122,15 @@ def test_shards_are_merged_to_the_same_bits(folder: Path) -> None:
     assert (folder / "merged_indices.csv").read_bytes() == (folder / "a_indices.csv").read_bytes()
 
 
+@pytest.mark.slow
+def test_a_cluster_computes_the_same_bits(folder: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address=":0") as local:
+        result = warpgran("sensitivity", "a.toml", "-o", "b.h5", "--cluster", local.scheduler_address, "--no-picture")
+    assert result.exit_code == 0, result.output
+    same_bits("a.h5", "b.h5")
+
+
 def test_shards_of_other_designs_are_not_merged(folder: Path) -> None:
     for shard, change in (("1/2", "seed=1"), ("2/2", "seed=2")):
         warpgran("sensitivity", "a.toml", "--shard", shard, "--set", f"sensitivity.{change}")
