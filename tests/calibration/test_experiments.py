@@ -61,8 +61,8 @@ def test_everything_wrong_is_said_at_once(tmp_path: Path) -> None:
         read_experiments(study(), tmp_path)
     lines = str(error.value).splitlines()
     assert lines[0].endswith("profiles.csv:2: t = 1.5 is out of range; allowed: <= time.end, which is 1.0")
-    assert lines[1].endswith("x = 9.0 is out of range; allowed: -0.19 to 1.59 m, the cell centres of the grid")
-    assert "front.csv:2: x = -0.5 is out of range" in lines[2]
+    assert lines[1].endswith("x = 9.0 is not in the grid; allowed: -0.2 to 1.6 m")
+    assert "front.csv:2: x = -0.5 is not in the grid" in lines[2]
 
 
 def test_sigma_is_given_for_all_experiments_of_a_kind_or_for_none(tmp_path: Path) -> None:

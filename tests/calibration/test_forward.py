@@ -25,7 +25,9 @@ def experiments(tmp_path: Path) -> Experiments:
     for name in ("dense", "loose"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "front.csv").write_text("angle,t,x\n5,0.1,0.05\n5,0.2,0.1\n")
-    (tmp_path / "dense" / "profiles.csv").write_text("angle,t,x,h\n5,0.1,-0.11,0.1\n5,0.2,0.013,0.1\n5,0.1,0.2,0.0\n")
+    (tmp_path / "dense" / "profiles.csv").write_text(
+        "angle,t,x,h\n5,0.1,-0.11,0.1\n5,0.2,0.013,0.1\n5,0.1,0.2,0.0\n5,0.1,-0.2,0.1\n"
+    )
     (tmp_path / "dense" / "volume.csv").write_text("angle,t,change\n5,0.15,0.01\n")
     base = Case.from_dict({"grid": {"left": -0.2, "right": 0.4, "cells": 40}, "time": {"end": 0.3}})
     over = {name: {"low": 0.1, "high": 0.7} for name in NAMES}

@@ -140,15 +140,15 @@ def _of_folder(
 
 def _unfit(tables: Mapping[str, MeasuredTable], base: Case) -> Iterator[str]:
     """What the runs of a case cannot be compared with."""
-    x = base.x
+    grid = base.grid
     for name, table in tables.items():
         for i, place in enumerate(table.places):
             row = {column: float(values[i]) for column, values in table.columns.items()}
             if row["t"] != math.inf and row["t"] > base.time.end:
                 yield f"{place}: t = {row['t']} is out of range; allowed: <= time.end, which is {base.time.end}"
-            if name != "volume" and not x[0] <= row["x"] <= x[-1]:
-                within = f"{x[0]:.6g} to {x[-1]:.6g} m, the cell centres of the grid"
-                yield f"{place}: x = {row['x']} is out of range; allowed: {within}"
+            if name != "volume" and not grid.left <= row["x"] <= grid.right:
+                within = f"{grid.left} to {grid.right} m"
+                yield f"{place}: x = {row['x']} is not in the grid; allowed: {within}"
 
 
 def _half_given(each: Sequence[Experiment], folder: Path) -> Iterator[str]:

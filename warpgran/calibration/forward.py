@@ -170,7 +170,7 @@ def _measured(data: xr.Dataset, observed: Observed) -> Array:
         return np.asarray(data[name].values[:, _nearest(data["series_time"].values, observed.t)])
     x = data["x"].values
     left = np.clip(np.searchsorted(x, observed.x, side="right") - 1, 0, x.size - 2)
-    share = (observed.x - x[left]) / (x[left + 1] - x[left])
+    share = np.clip((observed.x - x[left]) / (x[left + 1] - x[left]), 0.0, 1.0)  # in the outer half of an end cell
     at = _nearest(data["time"].values, observed.t)
     h = data["h"].values
     return np.asarray((1.0 - share) * h[:, at, left] + share * h[:, at, left + 1])
