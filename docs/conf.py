@@ -9,8 +9,6 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from matplotlib.figure import Figure
-
 project = "warpgran"
 author = "The warpgran developers"
 copyright = author  # the name that Sphinx wants
@@ -18,6 +16,7 @@ version = release = version_of("warpgran")
 
 extensions = [
     "mathml",
+    "repository",
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
@@ -27,32 +26,26 @@ extensions = [
 ]
 exclude_patterns = ["tutorials", "gallery"]  # scripts: sphinx-gallery runs them into made/
 html_math_renderer = "mathml"
+highlight_language = "text"
+smartquotes = False  # quotation marks of the pages are those of code more often than not
+default_role = "code"  # docstrings mark names with single backticks
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
 autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 napoleon_google_docstring = True
 nitpick_ignore_regex = [
     # libraries that are described elsewhere: nothing is fetched from there when the site is made
-    (r"py:.*", r"(xr|xarray|np|numpy|pd|pandas|matplotlib|pydantic|pydantic_core|pathlib|typing|collections)\..*"),
-    (r"py:.*", r"(Path|Any|Array|Dataset|DataFrame|Figure|NDArray)"),
+    (r"py:.*", r"(os|xr|xarray|np|numpy|pd|pandas|matplotlib|pathlib|typing|collections)\..*|Path|Client"),
+    # what a calibration keeps for itself
+    (r"py:.*", r"warpgran\.calibration\.stages\..*"),
+    # aliases, whose values the docstrings say, and the types by which editors complete `Case.with_`
+    (r"py:.*", r"Precision|EngineName|warpgran\.case\.changes\..*"),
 ]
-
-
-def figures(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:
-    """Pictures of a block: the figure that it names `figure`, as our functions return one, and those of pyplot."""
-    from sphinx_gallery.scrapers import figure_rst, matplotlib_scraper
-
-    rst = str(matplotlib_scraper(block, block_vars, gallery_conf))
-    figure = block_vars["example_globals"].pop("figure", None)
-    if isinstance(figure, Figure):
-        path = next(block_vars["image_path_iterator"])
-        figure.savefig(path, dpi=150)
-        rst += figure_rst([path], gallery_conf["src_dir"])
-    return rst
-
 
 html_theme = "furo"
 html_title = "warpgran"
@@ -70,6 +63,8 @@ sphinx_gallery_conf: dict[str, Any] = {
     "download_all_examples": False,
     "show_memory": False,
     "min_reported_time": 1000,
-    "image_scrapers": (figures,),
+    "write_computation_times": False,
+    "show_signature": False,
+    "image_scrapers": ["pictures.figures"],
     "abort_on_example_error": True,
 }

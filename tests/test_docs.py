@@ -23,7 +23,11 @@ from warpgran.paper.remarks import OURS
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 FOLDERS = ("warpgran", "kernels", "tests", "benchmarks", "docs", "runs")
-DOCUMENTS = [*ROOT.glob("*.md"), *DOCS.glob("*.md"), ROOT / "benchmarks" / "README.md"]
+DOCUMENTS = [
+    *ROOT.glob("*.md"),
+    *(path for path in DOCS.rglob("*.md") if "made" not in path.parts),
+    ROOT / "benchmarks" / "README.md",
+]
 SOURCES = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")]
 
 
@@ -38,6 +42,19 @@ def test_links_lead_to_files() -> None:
     links = list(found(r"\]\((?!http)([^)#]+)[^)]*\)", DOCUMENTS))
     assert len(links) > 20
     assert [(file, link) for file, link in links if not (ROOT / file).parent.joinpath(link).exists()] == []
+
+
+def headings(path: Path) -> set[str]:
+    """Anchors of a page's headings, as GitHub and MyST make them."""
+    titles = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+def test_links_lead_to_headings() -> None:
+    links = [(file, *link.split("#")) for file, link in found(r"\]\((?!http)([^)#]*#[^)]+)\)", DOCUMENTS)]
+    assert len(links) > 5
+    pages = [(ROOT / file).parent / page if page else ROOT / file for file, page, _ in links]
+    assert [link for link, page in zip(links, pages, strict=True) if link[2] not in headings(page)] == []
 
 
 def test_files_that_are_named_are_there() -> None:

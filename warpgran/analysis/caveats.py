@@ -30,7 +30,8 @@ def caveats(data: xr.Dataset) -> dict[str, Array]:
         data: a result, with all its runs or some (`data.isel(run=[0, 3])`).
 
     Returns:
-        Boolean arrays over the runs. False, too, where the result does not say: without series nothing is known.
+        Boolean arrays over the runs, by name. They are False, too, where the result does not say, as it does not
+        without series.
 
         - left_grid: more than 0.1 % of the solid has left through an end of the grid; run_out is a lower bound
         - moving: the run got to its end and had not stopped; run_out is not final. A flow between periodic ends has no

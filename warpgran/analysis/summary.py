@@ -21,8 +21,8 @@ def summary(data: xr.Dataset) -> pd.DataFrame:
         data: a result, with all its runs or some (`data.isel(run=[0, 3])`).
 
     Returns:
-        A row a run. NaN: the run diverged or was interrupted before, or never came to rest. The values of a run that
-        ended early are the last that it reached.
+        A row a run. NaN where the run diverged or was interrupted before, or never came to rest. The values of a run
+        that ended early are the last that it reached.
 
         - run: its number in the result
         - the keys in which the runs differ ("slope.angle"): their values, in the units of the run file

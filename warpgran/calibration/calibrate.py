@@ -67,7 +67,7 @@ class Calibrated:
             folder: Where they go, by default where the runs are kept.
 
         Returns:
-            What was written: calibration.html, calibration.nc and the pictures.
+            Paths of the page calibration.html, of calibration.nc and of the pictures.
 
         Raises:
             StorageError: A file cannot be written, or something else is there.

@@ -55,7 +55,7 @@ class Options:
 
     @property
     def workers(self) -> int:
-        """Threads to use: all cores, but one for each GPU, whose blocks fill it, and for the reference."""
+        """Threads to use. By default all cores, but one for each GPU, whose blocks fill it, and for the reference."""
         if self.threads is not None:
             return self.threads
         return (os.cpu_count() or 1) if self.engine == "warp" and self.device == "cpu" else len(self.devices)
