@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from warpgran.cli.arguments import Picture, ResultFile
 from warpgran.cli.report import print_caveats
-from warpgran.cli.terminal import say
+from warpgran.cli.terminal import say, tell
+from warpgran.errors import WarpgranError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,7 +46,16 @@ def animate(
     say(f"wrote {made}")
 
 
-def worth_drawing(data: xr.Dataset) -> bool:
-    """Whether any run has a sample or a snapshot."""
-    reached = data["end_time"].max()
-    return bool(data["front"].notnull().any() or (data["time"] <= reached).any())
+def picture_beside(path: Path, data: xr.Dataset) -> list[str]:
+    """The picture of a result that is safe in its file: written beside it, or why not on standard error.
+
+    Returns:
+        The path of the picture, or nothing.
+    """
+    from warpgran.figures.plot import plot
+
+    try:
+        return [str(plot(data, path.with_suffix(".png")))]
+    except (WarpgranError, OSError) as error:
+        tell(f"no picture: {error}")
+        return []

@@ -22,7 +22,7 @@ from warpgran.cli.arguments import (
     bytes_of,
 )
 from warpgran.cli.computing import compute_file, exit_status
-from warpgran.cli.pictures import worth_drawing
+from warpgran.cli.pictures import picture_beside
 from warpgran.cli.report import report
 from warpgran.cli.terminal import read, say
 
@@ -53,11 +53,7 @@ def run(
         pictures=[".png"] if picture else [],
     )  # fmt: skip
     data = open_dataset(path)
-    written = [str(path)]
-    if picture and worth_drawing(data):
-        from warpgran.figures.plot import plot
-
-        written.append(str(plot(data, path.with_suffix(".png"))))
+    written = [str(path), *picture_beside(path, data)] if picture else [str(path)]
     report(study, data, outcome)
     say(f"wrote {' and '.join(written)}")
     raise typer.Exit(130 if outcome.interrupted else exit_status(data["status"].values))

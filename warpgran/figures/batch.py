@@ -128,8 +128,8 @@ def _batch(data: xr.Dataset) -> Batch:
         raise ResultError("there is nothing to draw: none of the runs is computed yet")
     if not np.isfinite(frame["front"]).any():
         empty = "`time.series` is empty" if not data["front"].size else "no run has a front"
-        alone = ", only one run alone: --run 0" if data["h"].size else ""
-        raise ResultError(f"there is nothing to draw of all runs together{alone}; {empty}")
+        alone = "; a run alone has snapshots: --run 0" if data["h"].size else ""
+        raise ResultError(f"there is nothing to draw of all runs together, since {empty}{alone}")
     frame.loc[~done, [panel.name for panel in QUANTITIES]] = np.nan
     lengths = Lengths.of(data)
     keys = varied_keys(data)
