@@ -159,7 +159,7 @@ def test_lambda_by_its_key_and_its_attribute() -> None:
 # The run files that come with the project
 
 
-STUDIES = {*RUNS.glob("sweep_*"), *RUNS.glob("sensitivity_*")}
+STUDIES = {*RUNS.glob("sweep_*"), *RUNS.glob("sensitivity_*"), *RUNS.glob("calibrate_*")}
 
 
 @pytest.mark.parametrize("path", sorted({*RUNS.glob("*.toml")} - STUDIES), ids=lambda path: path.stem)
