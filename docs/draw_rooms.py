@@ -28,7 +28,7 @@ PICTURE = DOCS / "images" / "rooms.svg"
 GROUND = ("schema", "files", "errors", "arrays", "printable")
 """Modules of the top, which import no room: drawn as the ground that the rooms stand on, without arrows."""
 COLUMN = {"kernels": 0, "physics": 1, "case": 2, "solve": 0, "analysis": 1, "results": 0, "figures": 2, "run": 0,
-          "studies": 0, "verification": 1, "paper": 2, "cli": 1, "calibration": 4,
+          "studies": 0, "verification": 1, "paper": 2, "cli": 1, "calibration": 4, "viewer": 3,
           "sensitivity_analysis": 3}  # fmt: skip
 WIDEST = max(COLUMN.values())
 COLOUR = {"kernels": "#cfe3f3", "physics": "#cfe3f3", "case": "#e1ecd0", "cli": "#f8e5c8"}

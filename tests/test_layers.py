@@ -31,6 +31,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "studies": {"run", "figures", "analysis", "results", "case", *LEAVES},
     "calibration": {"run", "figures", "analysis", "results", "case", *LEAVES},
     "sensitivity_analysis": {"run", "figures", "analysis", "results", "case", *LEAVES},
+    "viewer": {"figures", "analysis", "case", *LEAVES},
     "verification": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},
     "paper": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},
 }

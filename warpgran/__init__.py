@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from warpgran.sensitivity_analysis.study import sensitivity as sensitivity
     from warpgran.solve.device import DeviceError as DeviceError
     from warpgran.studies.converge import converge as converge
+    from warpgran.viewer.page import view as view
 
 _HOME = {
     "Case": "case.case",
@@ -64,6 +65,7 @@ _HOME = {
     "sensitivity": "sensitivity_analysis.study",
     "simulate": "run.simulate",
     "summary": "analysis.summary",
+    "view": "viewer.page",
     "with_keys": "analysis.runs",
 }
 

@@ -21,6 +21,7 @@ from warpgran.cli.run_files import new, schema
 from warpgran.cli.sensitivity import sensitivity
 from warpgran.cli.terminal import say, tell
 from warpgran.cli.verify import verify
+from warpgran.cli.view import view
 from warpgran.errors import WarpgranError
 
 
@@ -71,7 +72,8 @@ def options(
 
 
 for command in (
-    new, run, check, info, plot, animate, summary, merge, converge, sensitivity, calibrate, verify, reproduce, schema,
+    new, run, check, info, plot, animate, view, summary, merge, converge, sensitivity, calibrate, verify, reproduce,
+    schema,
 ):  # fmt: skip
     app.command()(command)
 

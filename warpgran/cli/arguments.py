@@ -74,8 +74,26 @@ def shard_of(text: str | None, runs: int) -> tuple[list[int], str]:
     return list(range(int(first) - 1, runs, int(of))), f".{int(first)}-of-{int(of)}"
 
 
-def bytes_of(text: str | None) -> float | None:
-    """Parse `--memory SIZE` in bytes: "500MB" and "4GB" in powers of 1000, "1.5GiB" and "4Gi" in powers of 1024.
+def numbers_of(text: str | None, option: str) -> list[int] | None:
+    """Parse numbers and ranges of runs, as "0,5,10-19".
+
+    Raises:
+        OptionError: They are none.
+    """
+    if text is None:
+        return None
+    found: list[int] = []
+    for part in text.split(","):
+        ends = re.fullmatch(r"\s*([0-9]{1,9})(?:-([0-9]{1,9}))?\s*", part, re.ASCII)
+        first, last = (int(ends[1]), int(ends[2] or ends[1])) if ends else (1, 0)
+        if not first <= last < first + 1_000_000:
+            raise OptionError(f"{option}: {text!r} are no numbers of runs; allowed: as 0,5,10-19")
+        found += range(first, last + 1)
+    return found
+
+
+def bytes_of(text: str | None, option: str = "memory") -> float | None:
+    """Parse a size in bytes: "500MB" and "4GB" in powers of 1000, "1.5GiB" and "4Gi" in powers of 1024.
 
     Raises:
         OptionError: It is not a size.
@@ -90,4 +108,4 @@ def bytes_of(text: str | None) -> float | None:
         power = " KMGT".index((prefix or " ").upper())
         return float(number) * float(1024 if binary else 1000) ** power
     except ValueError:
-        raise OptionError(f"memory: {text!r} is not a size; allowed: a number of bytes, or as 500MB, 4GiB") from None
+        raise OptionError(f"{option}: {text!r} is not a size; allowed: a number of bytes, or as 500MB, 4GiB") from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -54,8 +55,13 @@ def picture_beside(path: Path, data: xr.Dataset) -> list[str]:
     """
     from warpgran.figures.plot import plot
 
+    return beside("picture", lambda: plot(data, path.with_suffix(".png")))
+
+
+def beside(what: str, write: Callable[[], Path]) -> list[str]:
+    """What is written beside a result: its path, or nothing, and why on standard error."""
     try:
-        return [str(plot(data, path.with_suffix(".png")))]
+        return [str(write())]
     except (WarpgranError, OSError) as error:
-        tell(f"no picture: {error}")
+        tell(f"no {what}: {error}")
         return []

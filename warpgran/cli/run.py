@@ -25,6 +25,7 @@ from warpgran.cli.computing import compute_file, exit_status
 from warpgran.cli.pictures import picture_beside
 from warpgran.cli.report import report
 from warpgran.cli.terminal import read, say
+from warpgran.cli.view import page_beside
 
 
 def run(
@@ -41,6 +42,7 @@ def run(
     shard: Shard = None,
     cluster: Cluster = None,
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Plot the result beside the file.")] = True,
+    view: Annotated[bool, typer.Option("--view", help="Write a page to look at the result in a browser.")] = False,
 ) -> None:
     """Compute a run file: an HDF5 file, a picture and a short table."""
     from warpgran.results.reading import open_dataset
@@ -48,12 +50,15 @@ def run(
 
     how = Options(device=device, precision=precision, engine=engine, threads=threads, memory=bytes_of(memory))
     study = read(file, set_)
+    suffixes = [suffix for suffix, asked in ((".png", picture), (".html", view)) if asked]
     path, outcome = compute_file(
         file, study, output, how, resume=resume, force=force, shard=shard, cluster=cluster,
-        pictures=[".png"] if picture else [],
+        pictures=suffixes,
     )  # fmt: skip
     data = open_dataset(path)
-    written = [str(path), *picture_beside(path, data)] if picture else [str(path)]
+    written = [str(path)]
+    written += picture_beside(path, data) if picture else []
+    written += page_beside(path, data) if view else []
     report(study, data, outcome)
     say(f"wrote {' and '.join(written)}")
     raise typer.Exit(130 if outcome.interrupted else exit_status(data["status"].values))
