@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
-from helpers.collapses import collapse, two_runs
+from helpers.collapses import collapse, two_runs, with_values
 from matplotlib.figure import Figure
 
 from warpgran.figures import one_run as figures
@@ -78,6 +78,21 @@ def test_page_of_a_diverged_run_says_so_and_shows_what_there_is() -> None:
     profiles = [line for line in figure.axes[0].lines if str(line.get_label()).startswith("$t$")]
     assert len(profiles) == figures.MAX_INSTANTS
     assert "diverged" not in heading(page(two_runs(), run=0))
+
+
+def test_page_says_what_its_results_must_not_be_read_without() -> None:
+    def said(**changes: object) -> str:
+        data = collapse(samples=7)
+        for name, value in changes.items():
+            data[name][0] = value
+        return " ".join(heading(page(with_values(data))).split())
+
+    assert "lower bound" not in said() and "moving" not in said()
+    assert "left the grid: its run-out is a lower bound" in said(outflow=np.linspace(0.0, 0.01, 7))
+    assert "still moving at the end" in said(v_flow=np.full(7, 0.3))
+    for status, words in (("interrupted", "interrupted at $t$ = 0.4 s"), ("pending", "still to be computed")):
+        told = said(status=status, end_time=0.4)
+        assert words in told and "ended early" not in told
 
 
 def test_page_says_how_many_snapshots_it_shows() -> None:

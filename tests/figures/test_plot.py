@@ -20,34 +20,37 @@ import warpgran as wg
 BOTH = pytest.mark.parametrize("data", [collapse(), batch(slope__angle=[0.0, 22.0])], ids=["run", "batch"])
 
 
-def axes_of(monkeypatch: pytest.MonkeyPatch, *arguments: Any) -> int:
-    """How many axes `wg.plot` draws."""
-    drawn: list[Figure] = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
-    wg.plot(*arguments)
-    return len(drawn[0].axes)
-
-
-def test_a_batch_is_drawn_together_or_one_run_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "page.png"
-    one = axes_of(monkeypatch, collapse(), path)
+def test_a_batch_is_drawn_together_or_one_run_of_it() -> None:
+    one = len(wg.plot(collapse()).axes)
     assert one == 8
-    assert axes_of(monkeypatch, two_runs(), path, 1) == axes_of(monkeypatch, two_runs(), path, 0) == one + 1  # a bed
-    assert axes_of(monkeypatch, two_runs(), path) != one
+    for run in (0, 1):
+        assert len(wg.plot(two_runs(), run=run).axes) == one + 1  # a bed
+    assert len(wg.plot(two_runs()).axes) != one
+
+
+def test_a_figure_is_given_back_in_our_style_and_written_where_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    figure = wg.plot(collapse())
+    assert not list(tmp_path.iterdir())
+    shown: Any = figure
+    assert shown._repr_png_().startswith(b"\x89PNG")  # what a notebook shows
+    figure.savefig("saved.svg", metadata={"Date": None})
+    assert "<text" in Path("saved.svg").read_text()  # text, as our style has it, and not matplotlib's outlines
+    assert wg.plot(collapse(), path="page.png").axes
+    with Image.open("page.png") as picture:
+        assert picture.width == pytest.approx(180 / 25.4 * 200, abs=1)
 
 
 @pytest.mark.slow
 @BOTH
 @pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
 def test_nothing_but_the_picture_is_written(data: xr.Dataset, suffix: str, tmp_path: Path) -> None:
-    path = wg.plot(data, tmp_path / f"page{suffix}")
+    path = tmp_path / f"page{suffix}"
+    wg.plot(data, path=path)
     assert [path] == list(tmp_path.iterdir())
     assert path.stat().st_size > 10_000
-
-
-def test_a_page_is_180_mm_wide(tmp_path: Path) -> None:
-    with Image.open(wg.plot(collapse(), tmp_path / "page.png")) as picture:
-        assert picture.width == pytest.approx(180 / 25.4 * 200, abs=1)
 
 
 @pytest.mark.parametrize(
@@ -64,7 +67,7 @@ def test_what_cannot_be_drawn_is_refused(
     data: xr.Dataset, name: str, run: int | None, words: str, tmp_path: Path
 ) -> None:
     with pytest.raises(ValueError, match=words):
-        wg.plot(data, tmp_path / name, run)
+        wg.plot(data, path=tmp_path / name, run=run)
     assert not list(tmp_path.iterdir())
 
 
@@ -81,14 +84,14 @@ def test_failure_leaves_the_old_file_and_nothing_else(
 
     monkeypatch.setattr(Figure, "savefig", half)
     with pytest.raises(OSError, match="disk full"):
-        wg.plot(data, path)
+        wg.plot(data, path=path)
     assert path.read_text() == "old warpgran"
     assert [path] == list(tmp_path.iterdir())
 
 
 def test_drawing_leaves_matplotlib_as_it_was(tmp_path: Path) -> None:
     before = dict(matplotlib.rcParams)
-    wg.plot(collapse(), tmp_path / "page.png")
+    wg.plot(collapse(), path=tmp_path / "page.png")
     assert dict(matplotlib.rcParams) == before
 
 
@@ -101,5 +104,5 @@ def test_a_full_disk_is_told_with_the_name_of_the_picture(
 
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(wg.StorageError, match=rf"cannot write .*/a\.{suffix}: No space left on device"):
-        wg.plot(collapse(), tmp_path / f"a.{suffix}")
+        wg.plot(collapse(), path=tmp_path / f"a.{suffix}")
     assert not list(tmp_path.iterdir())

@@ -26,8 +26,9 @@ def plot(
     from warpgran.figures.plot import plot
     from warpgran.results.reading import opened
 
+    made = output or file.with_suffix(".png")
     with opened(file) as data:
-        made = plot(data, output or file.with_suffix(".png"), run=run)
+        plot(data, run=run, path=made)
         print_caveats(data if run is None else data.isel(run=[run]))
     say(f"wrote {made}")
 
@@ -55,13 +56,15 @@ def picture_beside(path: Path, data: xr.Dataset) -> list[str]:
     """
     from warpgran.figures.plot import plot
 
-    return beside("picture", lambda: plot(data, path.with_suffix(".png")))
+    made = path.with_suffix(".png")
+    return beside("picture", made, lambda: plot(data, path=made))
 
 
-def beside(what: str, write: Callable[[], Path]) -> list[str]:
+def beside(what: str, path: Path, write: Callable[[], object]) -> list[str]:
     """What is written beside a result: its path, or nothing, and why on standard error."""
     try:
-        return [str(write())]
+        write()
     except (WarpgranError, OSError) as error:
         tell(f"no {what}: {error}")
         return []
+    return [str(path)]

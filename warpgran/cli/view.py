@@ -56,4 +56,5 @@ def page_beside(path: Path, data: xr.Dataset) -> list[str]:
     """
     from warpgran.viewer.page import view
 
-    return beside("page", lambda: view({path.name: data}, path.with_suffix(".html")))
+    made = path.with_suffix(".html")
+    return beside("page", made, lambda: view({path.name: data}, made))

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from warpgran.analysis.caveats import caveats
 from warpgran.analysis.fields import parameter
 from warpgran.analysis.runs import status_words
 from warpgran.figures.names import named, shown
@@ -16,6 +17,8 @@ from warpgran.printable import printable
 from warpgran.schema import CLEAN
 
 MAIN_KEYS = ("slope.angle", "column.phi", "rheology.K")
+RESERVES = {"left_grid": "left the grid: its run-out is a lower bound", "moving": "still moving at the end"}
+"""Words of the caveats of one run."""
 MARKUP = re.compile(r"\\[a-z]+|[${}_^]")  # what takes no room in a line
 
 
@@ -26,10 +29,19 @@ def run_heading(one: xr.Dataset, width: int = 95) -> str:
     facts += [f"{name} = {shown(one[name].item()).strip('$')}" for name in varied]
     if one.attrs["runs"] > 1:
         facts.append(f"run {one.attrs['run']} (0 to {one.attrs['runs'] - 1})")
+    return heading(one, [*facts, *reserves(one)], width)
+
+
+def reserves(one: xr.Dataset) -> list[str]:
+    """What the results of a run must not be read without: that it ended early, lost solid or had not stopped."""
     status = status_words(one).item()
-    if status not in CLEAN:
-        facts.append(f"ended early: {status}")
-    return heading(one, facts, width)
+    if status == "pending":
+        return ["still to be computed"]
+    if status == "interrupted":
+        return [f"interrupted at $t$ = {one['end_time'].item():.3g} s"]
+    found = caveats(one.expand_dims("run"))
+    said = [words for name, words in RESERVES.items() if found[name].item()]
+    return said if status in CLEAN else [f"ended early: {status}", *said]
 
 
 def main_facts(data: xr.Dataset) -> list[str]:
