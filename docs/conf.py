@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from importlib.metadata import version as version_of
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,9 @@ project = "warpgran"
 author = "The warpgran developers"
 copyright = author  # the name that Sphinx wants
 version = release = version_of("warpgran")
+
+# As the tutorials show them: without the path of this copy of the repository.
+warnings.formatwarning = lambda message, category, *_: f"{category.__name__}: {message}\n"
 
 extensions = [
     "mathml",
@@ -66,5 +70,6 @@ sphinx_gallery_conf: dict[str, Any] = {
     "write_computation_times": False,
     "show_signature": False,
     "image_scrapers": ["pictures.figures"],
+    "reset_modules": ("matplotlib", "pictures.quiet_gallery"),
     "abort_on_example_error": True,
 }

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from docutils import nodes
 from docutils.nodes import Node
-from latex2mathml.converter import convert
+from latex2mathml.converter import convert as mathml_of
 from sphinx.application import Sphinx
+
+FUNCTIONS = "arctan|cos|cosh|exp|ln|log|sgn|sin|tan|tanh"
+THIN = '<mspace width="0.167em"/>'
+
+
+def convert(latex: str, display: str = "inline") -> str:
+    """An equation as MathML, with the thin space between a function and its argument that the library leaves out."""
+    named = rf"(<mi>(?:{FUNCTIONS})</mi>)(?!<mo stretchy=\"false\">&#x00028;)"
+    return re.sub(named, rf"<mrow>{THIN}\1{THIN}</mrow>", mathml_of(latex, display=display))
 
 
 def inline(translator: Any, node: Node) -> None:

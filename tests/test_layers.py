@@ -29,7 +29,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "figures": {"case", "analysis", *LEAVES},
     "run": {"case", "solve", "results", "analysis", *LEAVES},
     "studies": {"run", "figures", "analysis", "results", "case", *LEAVES},
-    "calibration": {"run", "figures", "analysis", "results", "case", *LEAVES},
+    "calibration": {"run", "solve", "figures", "analysis", "results", "case", *LEAVES},
     "sensitivity_analysis": {"run", "figures", "analysis", "results", "case", *LEAVES},
     "viewer": {"figures", "analysis", "case", *LEAVES},
     "verification": {"run", "figures", "analysis", "results", "solve", "physics", "case", *LEAVES},

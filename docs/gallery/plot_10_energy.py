@@ -2,20 +2,20 @@
 Where the energy goes
 =====================
 
-Per unit width and grain density (2.7), against the first: a collapse on the flat and on slopes.
+Friction takes it: kinetic and potential energy (2.7), per unit width and grain density, against the first.
 """
 
 import matplotlib.pyplot as plt
 
 import warpgran as wg
 
-base = wg.Case().with_(**{"grid.right": 1.6, "grid.cells": 600, "time.end": 1.6})
+base = wg.Case(grid={"right": 1.6, "cells": 600}, time={"end": 1.6})
 data = wg.simulate(base.sweep({"slope.angle": [0.0, 10.0, 16.0, 22.0]}))
-fig, ax = plt.subplots(figsize=(6.5, 3), layout="constrained")
+fig, ax = plt.subplots(figsize=(6.5, 3.5), layout="constrained")
 for r in range(data.sizes["run"]):
     run = data.isel(run=r)
     lost = run.energy.isel(series_time=0) - run.energy
-    ax.plot(run.series_time, lost, label=f"{float(run['slope.angle']):g} degrees")
-ax.set(xlabel="t (s)", ylabel="energy lost (m4 s-2)")
-ax.legend()
+    ax.plot(run.series_time, lost, label=f"{float(run['slope.angle']):g}°")
+ax.set(xlabel="time $t$ (s)", ylabel=r"energy lost (m$^4$ s$^{-2}$)")
+ax.legend(title="slope")
 plt.show()

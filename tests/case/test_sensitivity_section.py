@@ -64,6 +64,16 @@ def test_the_section_in_force_goes_with_the_study(tmp_path: Path) -> None:
     assert read_study(write(tmp_path, "")).design == ""
 
 
+def test_the_section_in_force_keeps_the_order_of_keys_of_mixed_sections(tmp_path: Path) -> None:
+    over = {
+        "rheology.K": OVER["rheology.K"],
+        "slope.angle": OVER["slope.angle"],
+        "rheology.mu1": {"low": 0.4, "high": 0.5},
+    }
+    study = sensitivity_design(Case(), over, samples=2)
+    assert table(read_study(write(tmp_path, study.design))) == table(study)
+
+
 def test_defaults_follow_the_method() -> None:
     sobol, morris = (read_sensitivity({"over": OVER, "method": method}) for method in ("sobol", "morris"))
     assert (sobol.size, sobol.per_sample, sobol.of) == (256, 4, ("run_out",))

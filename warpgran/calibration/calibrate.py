@@ -116,7 +116,10 @@ def calibrate(
         ResultError: No run of the screening ended cleanly, or too few.
     """
     study = calibration_of(case, {"over": over, **section})
-    return run_stages(study, Path(data), Path(output), Options(device, precision, engine, threads), stage)
+    from warpgran.solve.device import quietly
+
+    with quietly():
+        return run_stages(study, Path(data), Path(output), Options(device, precision, engine, threads), stage)
 
 
 def run_stages(

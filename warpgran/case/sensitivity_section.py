@@ -17,7 +17,7 @@ from warpgran.case.model import Model, declare
 from warpgran.case.problems import CaseError, Problem, problems_of, shown, unknown_key
 from warpgran.case.sweep_section import MOST_RUNS
 from warpgran.case.times import SAME_TIME
-from warpgran.case.toml import text_of
+from warpgran.case.toml import text_of, toml_value
 from warpgran.schema import SERIES
 
 DEFAULT_SAMPLES = {"sobol": 256, "morris": 32}
@@ -63,8 +63,11 @@ class Sensitivity(Model):
     def to_toml(self) -> str:
         """The section as text of a run file."""
         values: dict[str, Any] = {"method": self.method, "samples": self.size, "seed": self.seed, "of": [*self.of]}
-        over = {f"over.{key}": found.model_dump(exclude_none=True) for key, found in self.over.items()}
-        return text_of({f"sensitivity.{name}": value for name, value in (values | over).items()}).lstrip("\n")
+        over = {key: toml_value(found.model_dump(exclude_none=True)) for key, found in self.over.items()}
+        lines = ["", "[sensitivity.over]", *(f'"{key}" = {found}' for key, found in over.items())]
+        return (
+            text_of({f"sensitivity.{name}": value for name, value in values.items()}).lstrip() + "\n".join(lines) + "\n"
+        )
 
 
 def read_sensitivity(section: Any) -> Sensitivity:
