@@ -118,7 +118,7 @@ def test_malformed_files_are_refused_in_a_line(tmp_path: Path, sound: Path, name
         wg.open_dataset(path)
     with pytest.raises(StorageError, match=words):
         merge([path], tmp_path / "out.h5")
-    with pytest.raises(StorageError, match=r"cannot go on with .*bad\.h5: it is not a warpgran result"):
+    with pytest.raises(StorageError, match=r"cannot go on with .*bad\.h5: it is damaged, or no warpgran result"):
         run_to_file(study(), path, Options(), resume=True)
     for command in ("plot", "animate", "summary"):
         result = CliRunner().invoke(app, [command, str(path)])

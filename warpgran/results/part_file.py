@@ -5,8 +5,8 @@ disk has given. Runs then only write their numbers into those places, past the H
 status last; nothing else of the file is ever touched. Killed at any moment, it is therefore a sound file, which
 `--resume` completes. Once all runs are stored it is copied to the final name.
 
-What a disk or a copy has spoiled is found by checksums: one a run, and one of everything that is not a run's. They and
-the time that has been spent stand in the group CHECKS, which the finished file does not have.
+What a disk or a copy has spoiled is found by checksums: one a run, in the group CHECKS with the time that has been
+spent, and one of everything that is not a run's, the seal behind the end.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from warpgran.results.final_file import write_compressed
 from warpgran.results.layout import Layout, status_attributes
 from warpgran.results.reading import pending, reading
 from warpgran.results.reserving import reserving
+from warpgran.results.seal import seal
 from warpgran.schema import Status
 
 CHECKS = "checks"
 """Group of the part file with what belongs to no result."""
-ROWS, STRUCTURE, SPENT = f"{CHECKS}/rows", f"{CHECKS}/structure", f"{CHECKS}/spent"
-_PIECE = 2**20
+ROWS, SPENT = f"{CHECKS}/rows", f"{CHECKS}/spent"
 
 
 class Spent(NamedTuple):
@@ -103,9 +103,7 @@ class PartFile:
             self._offset = _places(file, self.layout)
             self.status: Array = file["status"][:]
             self.before = Spent(*file[SPENT][:].tolist())
-            rows, structure = file[ROWS][:], int(file[STRUCTURE][()])
-        if _structure_sum(self._fd, _ranges(self._offset, self.layout)) != structure:
-            raise StorageError(f"cannot go on with {self.path}: it is damaged; --force starts anew")
+            rows = file[ROWS][:]
         for place in np.flatnonzero(~pending(self.status)).tolist():
             if self._sum_there(place) != rows[place]:
                 self.spoiled += 1
@@ -235,15 +233,9 @@ def _create(path: Path, layout: Layout, attributes: Mapping[str, Any]) -> None:
         file["status"].attrs.update(status_attributes())
         file.create_group(CHECKS)
         _reserved(file, ROWS, (layout.runs.size,), np.dtype(np.uint64))
-        _reserved(file, STRUCTURE, (), np.dtype(np.uint64))
         _reserved(file, SPENT, (len(Spent._fields),), np.dtype(np.float64))[:] = Spent()
         offset = _places(file, layout)
-    fd = os.open(path, os.O_RDWR)
-    try:
-        found = _structure_sum(fd, _ranges(offset, layout))
-        _write_all(fd, np.uint64(found).tobytes(), offset[STRUCTURE])
-    finally:
-        os.close(fd)
+    seal(path, sorted((offset[name], offset[name] + size) for name, size in _sizes(layout).items() if size))
 
 
 def _reserved(file: h5py.File, name: str, shape: tuple[int, ...], dtype: Any) -> h5py.Dataset:
@@ -265,7 +257,7 @@ def _sizes(layout: Layout) -> dict[str, int]:
     """Bytes of every array that runs write into."""
     runs = layout.runs.size
     columns = {name: runs * c.dtype.itemsize * int(np.prod(c.shape)) for name, c in layout.columns.items()}
-    return columns | {ROWS: 8 * runs, STRUCTURE: 8, SPENT: 8 * len(Spent._fields)}
+    return columns | {ROWS: 8 * runs, SPENT: 8 * len(Spent._fields)}
 
 
 def _places(file: h5py.File, layout: Layout) -> dict[str, int]:
@@ -282,23 +274,6 @@ def _places(file: h5py.File, layout: Layout) -> dict[str, int]:
             raise StorageError(f"cannot go on with {file.filename}: it is damaged; --force starts anew")
         offsets[name] = data.id.get_offset() or 0
     return offsets
-
-
-def _ranges(offset: Mapping[str, int], layout: Layout) -> list[tuple[int, int]]:
-    """Beginning and end of the bytes that runs write."""
-    return sorted((offset[name], offset[name] + size) for name, size in _sizes(layout).items() if size)
-
-
-def _structure_sum(fd: int, ranges: Sequence[tuple[int, int]]) -> int:
-    """A checksum of all bytes outside these ranges, and of the ranges."""
-    total = blake2b(repr(ranges).encode(), digest_size=8)
-    at, size = 0, os.fstat(fd).st_size
-    for begin, end in [*ranges, (size, size)]:
-        while at < begin and (piece := os.pread(fd, min(_PIECE, begin - at), at)):
-            total.update(piece)
-            at += len(piece)
-        at = max(at, end)
-    return int.from_bytes(total.digest(), "little")
 
 
 def _row_sum(place: int, row: Sequence[bytes]) -> int:

@@ -13,6 +13,7 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.files import StorageError, check_readable
+from warpgran.results.seal import check_seal
 from warpgran.results.soundness import check_sound
 from warpgran.schema import Status
 
@@ -82,6 +83,7 @@ def reading(path: Path) -> Iterator[h5py.File]:
         StorageError: It is not there, not a sound result, or another process holds it.
     """
     check_readable(path)
+    check_seal(path)
     with _open(path) as file:
         check_sound(file, path)
         yield file

@@ -32,7 +32,7 @@ def check_same(path: Path, layout: Layout, facts: Mapping[str, Any]) -> None:
     """
     differs = differences(path, layout, facts)
     if differs is None:
-        raise StorageError(f"cannot go on with {path}: it is not a warpgran result")
+        raise StorageError(f"cannot go on with {path}: it is damaged, or no warpgran result; --force starts anew")
     if differs:
         raise StorageError(f"cannot go on with {path}: it differs in {', '.join(differs)}")
 
