@@ -9,6 +9,7 @@ import pytest
 from helpers.collapses import collapse, two_runs
 from PIL import Image
 
+from warpgran.errors import ResultError
 from warpgran.figures import animation
 from warpgran.figures.selection import one_run
 
@@ -43,6 +44,10 @@ def test_animate_refuses_what_it_cannot_draw(tmp_path: Path, monkeypatch: pytest
         animation.animate(collapse(snapshots=1), tmp_path / "collapse.gif")
     with pytest.raises(ValueError, match=r"\.gif, \.mp4"):
         animation.animate(collapse(), tmp_path / "collapse.avi")
+    endless = collapse()
+    endless["h"][0, 0, 5] = np.inf
+    with pytest.raises(ResultError, match=r"run 0 cannot be drawn: it is .* m wide or high"):
+        animation.animate(endless, tmp_path / "collapse.gif")
     monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: False)
     with pytest.raises(ValueError, match=r"install it, or choose a name that ends in \.gif"):
         animation.animate(collapse(), tmp_path / "collapse.mp4")

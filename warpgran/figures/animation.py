@@ -25,6 +25,8 @@ from warpgran.figures.style import STYLE, checked
 from warpgran.files import MARK, replacing
 
 ANIMATION_SUFFIXES = (".gif", ".mp4")
+WIDEST = 1e9
+"""Metres of a view, more than any flow has: a result may come from anywhere, and infinite numbers have no view."""
 
 
 def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, dpi: float = 110) -> Path:
@@ -43,7 +45,7 @@ def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, 
     Raises:
         OptionError: another suffix.
         StorageError: the animation cannot be written, or a file is there that warpgran did not write.
-        ResultError: .mp4 without ffmpeg, no such run, or fewer than two snapshots.
+        ResultError: .mp4 without ffmpeg, no such run, fewer than two snapshots, or a view wider than WIDEST.
     """
     path = checked(path, ANIMATION_SUFFIXES)
     writer = _movie_writer(path.suffix.lower(), fps)
@@ -101,6 +103,10 @@ class Scene:
         """A figure just as large as the view needs at equal aspect; its pixels are even, as video asks."""
         corners = [self._tilted(self.edges, self.bed), *(self._surface(i) for i in range(self.one.sizes["time"]))]
         low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+        if not np.max(high - low) < WIDEST:
+            raise ResultError(
+                f"run {self.one.attrs['run']} cannot be drawn: it is {np.max(high - low):.3g} m wide or high"
+            )
         pad = 0.03 * np.max(high - low)
         low, high = low - pad, high + pad
         scale = np.min(np.array([6.0, 4.6]) / (high - low))  # inches a metre
