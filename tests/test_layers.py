@@ -105,7 +105,7 @@ def test_a_run_without_a_picture_does_without_what_draws(tmp_path: Path) -> None
         "import sys; from warpgran.cli.app import app\n"
         "try: app(['run', 'short.toml', '--no-picture'])\n"
         "except SystemExit as ended: assert not ended.code\n"
-        "heavy = ('matplotlib', 'PIL', 'distributed', 'scipy.stats')\n"
+        "heavy = ('xarray', 'pandas', 'dask', 'scipy', 'matplotlib', 'PIL', 'distributed')\n"
         "print('imported:', *(name for name in heavy if name in sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)

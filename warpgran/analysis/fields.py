@@ -5,14 +5,13 @@ The laws are those of physics.laws; here every run gets its own parameters. SI u
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from warpgran.analysis.run_columns import value_in
 from warpgran.errors import OptionError, ResultError
 from warpgran.physics import laws
 
@@ -56,24 +55,11 @@ def number(one: xr.Dataset, key: str) -> float:
 def _from_texts(data: xr.Dataset, key: str) -> xr.DataArray:
     """What the texts of the runs say of a key, None where nothing; over `run` only if they differ."""
     texts = data.coords.get("case_toml", xr.DataArray(data.attrs.get("case_toml", "")))
-    found = {text: _value(text, key) for text in dict.fromkeys(texts.values.ravel().tolist())}
+    found = {text: value_in(text, key) for text in dict.fromkeys(texts.values.ravel().tolist())}
     first, *others = found.values()
     if all(value == first for value in others):
         return xr.DataArray(np.array(first, dtype=object))
     return xr.DataArray([found[text] for text in texts.values.tolist()], dims=texts.dims).astype(object)
-
-
-def _value(text: str, key: str) -> Any:
-    value: Any = _parsed(text)
-    for name in key.split("."):
-        value = value.get(name) if isinstance(value, dict) else None
-    return value
-
-
-@lru_cache(maxsize=1000)
-def _parsed(text: str) -> dict[str, Any]:
-    """A run file; parsed once, for every field and run asks for its keys."""
-    return tomllib.loads(text)
 
 
 def derive(data: xr.Dataset, *names: str) -> xr.Dataset:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
 from warpgran.analysis.fields import parameter
+from warpgran.analysis.run_columns import words_of
 from warpgran.errors import ResultError
 from warpgran.schema import is_key
 
@@ -37,9 +36,4 @@ def with_keys(data: xr.Dataset, *keys: str) -> xr.Dataset:
 
 def status_words(data: xr.Dataset) -> np.ndarray:
     """How each run ended, as words, also where the result gives numbers and a list of meanings."""
-    status = data["status"]
-    meanings = str(status.attrs.get("flag_meanings", "")).split()
-    flags = np.atleast_1d(status.attrs.get("flag_values", []))
-    words: dict[Any, str] = dict(zip(flags.tolist(), meanings, strict=False))
-    found = [words.get(value, str(value)) for value in status.values.ravel().tolist()]
-    return np.array(found, dtype=object).reshape(status.shape)
+    return words_of(data["status"].values, data["status"].attrs)

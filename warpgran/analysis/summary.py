@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import pandas as pd
-import xarray as xr
+import numpy as np
 
 from warpgran.analysis.caveats import caveats
+from warpgran.analysis.run_columns import RunColumns
 from warpgran.analysis.run_values import last
-from warpgran.analysis.runs import status_words, swept
-from warpgran.errors import ResultError
+from warpgran.arrays import Array
 from warpgran.files import replacing
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 
 def summary(data: xr.Dataset) -> pd.DataFrame:
@@ -40,24 +44,28 @@ def summary(data: xr.Dataset) -> pd.DataFrame:
     Raises:
         ResultError: a selection without the dimension `run`.
     """
-    if "run" not in data.dims:
-        raise ResultError("a summary needs the dimension `run`: select one run with data.isel(run=[0])")
-    front, change = (last(data[name].transpose("run", "series_time").values) for name in ("front", "volume_change"))
-    columns = {
-        "run": data["run"].values,
-        **{key: data[key].values for key in swept(data)},
-        "status": status_words(data),
-        "end_time": data["end_time"].values,
-        "steps": data["steps"].values,
-        "run_out": data["run_out"].values,
-        "front": front,
-        "h_max": data["h_max_final"].values,
-        "dilation_max": data["dilation_max"].values,
-        "volume_change": change,
-        "stop_time": data["stop_time"].values,
+    import pandas as pd
+
+    return pd.DataFrame(summary_columns(RunColumns.of(data)))
+
+
+def summary_columns(data: RunColumns) -> dict[str, Array]:
+    """The columns of `summary`, each (runs,)."""
+    values = data.values
+    return {
+        "run": data.run,
+        **data.swept,
+        "status": data.status,
+        "end_time": values["end_time"],
+        "steps": values["steps"],
+        "run_out": values["run_out"],
+        "front": last(np.asarray(data.series["front"])),
+        "h_max": values["h_max_final"],
+        "dilation_max": values["dilation_max"],
+        "volume_change": last(np.asarray(data.series["volume_change"])),
+        "stop_time": values["stop_time"],
         **caveats(data),
     }
-    return pd.DataFrame(columns)
 
 
 def write_csv(frame: pd.DataFrame, path: str | Path) -> Path:

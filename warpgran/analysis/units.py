@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from warpgran.arrays import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 class LengthUnit(NamedTuple):

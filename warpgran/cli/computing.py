@@ -91,11 +91,12 @@ def _computing(cluster: str | None, how: Options) -> Iterator[Compute]:
         yield partial(compute, client=client)
 
 
-def exit_status(status: Array) -> int:
+def exit_status(words: Array) -> int:
     """0 if all runs ended as they should, 130 if any was interrupted, 1 if any ended otherwise."""
-    from warpgran.schema import Status
+    from warpgran.analysis.run_columns import WAITING
+    from warpgran.schema import CLEAN
 
-    found = {Status(code) for code in set(status.tolist())}
-    if found & {Status.INTERRUPTED, Status.PENDING}:
+    found = set(words.tolist())
+    if found.intersection(WAITING):
         return 130
-    return 0 if all(s.clean for s in found) else 1
+    return 0 if found.issubset(CLEAN) else 1

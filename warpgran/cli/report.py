@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from warpgran.cli.terminal import say, stdout, tell
 
@@ -10,6 +11,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from warpgran.analysis.run_columns import RunColumns
     from warpgran.case.study import Study
     from warpgran.run.outcome import Outcome
 
@@ -17,10 +19,12 @@ WIDTH = 100
 """Characters of the summary where standard output is no terminal."""
 
 
-def report(study: Study, data: xr.Dataset, outcome: Outcome) -> None:
+def report(study: Study, data: RunColumns, outcome: Outcome) -> None:
     """Print the caveats, the summary, the speed, and how to go on with an interrupted study."""
-    from warpgran.analysis.summary import summary
-    from warpgran.results.reading import pending
+    import numpy as np
+
+    from warpgran.analysis.run_columns import WAITING
+    from warpgran.analysis.summary import summary_columns
 
     if outcome.spoiled:
         were = "1 run was" if outcome.spoiled == 1 else f"{outcome.spoiled} runs were"
@@ -28,12 +32,12 @@ def report(study: Study, data: xr.Dataset, outcome: Outcome) -> None:
     print_caveats(data)
     if study.base.title:
         say(study.base.title)
-    print_summary(summary(data))
+    print_summary(summary_columns(data))
     print_speed(outcome)
     if outcome.interrupted:
-        if not pending(data["status"].values).any():
+        if not np.isin(data.status, WAITING).any():
             what = "the file is complete, of this start or an earlier one"
-        elif data.sizes["run"] > 1:
+        elif data.run.size > 1:
             what = "go on with --resume"
         else:
             what = "what it had is in the file; a single run begins anew"
@@ -55,7 +59,7 @@ def warn_of(study: Study) -> None:
         tell(f"warning: {line}")
 
 
-def print_caveats(data: xr.Dataset) -> None:
+def print_caveats(data: xr.Dataset | RunColumns) -> None:
     """Say on standard error which runs did not end cleanly, and whose results hold with a reserve."""
     from warpgran.analysis.caveats import messages
 
@@ -63,7 +67,7 @@ def print_caveats(data: xr.Dataset) -> None:
         tell(line)
 
 
-def print_summary(frame: pd.DataFrame) -> None:
+def print_summary(frame: pd.DataFrame | Mapping[str, Any]) -> None:
     """Print a summary, at the width of the terminal."""
     from warpgran.cli.table import rich_table
 

@@ -106,9 +106,10 @@ def sensitivity(
 
 def _report(path: Path, outcome: Outcome, shard: str | None) -> None:
     """Say what was computed; a shard and an interrupted study end the command here."""
+    from warpgran.analysis.runs import status_words
     from warpgran.results.reading import open_dataset
 
-    status = 130 if outcome.interrupted else exit_status(open_dataset(path)["status"].values)
+    status = 130 if outcome.interrupted else exit_status(status_words(open_dataset(path)))
     print_speed(outcome)
     if status == 130:
         tell("interrupted; go on with --resume")

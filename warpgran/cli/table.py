@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections import Counter
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 from rich.cells import cell_len
 from rich.table import Table
 
 from warpgran.analysis.units import LengthUnit, typical, unit_of
+from warpgran.arrays import Array
 from warpgran.case.defaults import FOLLOWS
 from warpgran.printable import printable
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 GAP = 2  # between columns, characters
 PRINTED = {  # columns with a unit: heading, SI unit; fractions are printed in %
@@ -34,11 +39,11 @@ MARKED = ("run_out", "front")
 DIGITS = {"km": ".3f", "m": ".3f", "cm": ".2f", "mm": ".2f", "%": "+.2f"}
 
 
-def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Table:
+def rich_table(frame: pd.DataFrame | Mapping[str, Any], limit: int = 40, *, width: int = 100) -> Table:
     """A summary for the terminal: lengths in km, m, cm or mm by their size, one unit a column.
 
     Args:
-        frame: what `summary` returns.
+        frame: what `summary` or `summary_columns` returns.
         limit: most runs shown, the first and the last; how many are left out is said below.
         width: room in characters. What does not fit is left out and named below: end, steps and run-out first, then the
             last of the swept keys.
@@ -46,14 +51,15 @@ def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Tab
     Returns:
         A table for `rich.console.Console.print`.
     """
-    runs = len(frame)
+    values = {str(name): np.asarray(frame[name]) for name in frame}
+    runs = values["run"].size
     head, tail = (runs, 0) if runs <= limit else (limit - limit // 2, limit // 2)
     shown = np.r_[0:head, runs - tail : runs]
-    printed = [str(name) for name in frame.columns if name not in MARKS]
-    along = typical(frame[["run_out", "front"]].to_numpy(dtype=float).ravel())
-    units = {"run_out": unit_of(along), "front": unit_of(along), "h_max": unit_of(typical(frame["h_max"].to_numpy()))}
-    columns = {name: _column(name, frame[name].to_numpy()[shown], units.get(name)) for name in printed}
-    _mark(columns, frame.iloc[shown])
+    printed = [name for name in values if name not in MARKS]
+    along = typical(np.concatenate([values["run_out"], values["front"]]))
+    units = {"run_out": unit_of(along), "front": unit_of(along), "h_max": unit_of(typical(values["h_max"]))}
+    columns = {name: _column(name, values[name][shown], units.get(name)) for name in printed}
+    _mark(columns, {name: column[shown] for name, column in values.items()})
     left_out = _too_wide(columns, width)
     columns = {name: lines for name, lines in columns.items() if name not in left_out}
     table = Table(box=None, padding=(0, GAP, 0, 0), pad_edge=False, header_style="bold")
@@ -63,10 +69,10 @@ def rich_table(frame: pd.DataFrame, limit: int = 40, *, width: int = 100) -> Tab
         if n == head:
             table.add_row(*["..."] * len(columns))
         table.add_row(*(cells[n] for _, cells in columns.values()))
-    counts = frame["status"].value_counts()
+    counts = Counter(values["status"].tolist()).most_common()
     notes = [f"{runs - shown.size} of {runs} runs are left out"] if shown.size < runs else []
-    notes += [", ".join(f"{count} {word}" for word, count in counts.items())] if len(counts) > 1 else []
-    notes += [note for caveat, (_, note) in MARKS.items() if frame[caveat].iloc[shown].any()]
+    notes += [", ".join(f"{count} {word}" for word, count in counts)] if len(counts) > 1 else []
+    notes += [note for caveat, (_, note) in MARKS.items() if values[caveat][shown].any()]
     notes += [f"without {printable(', '.join(left_out))}, for want of room"] if left_out else []
     table.caption, table.caption_justify = "\n".join(notes) or None, "left"
     return table
@@ -82,13 +88,13 @@ def _column(name: str, values: np.ndarray, length: LengthUnit | None) -> tuple[s
     return heading, [_cell(value, factor, DIGITS.get(unit, ".4g")) for value in values.tolist()]
 
 
-def _mark(columns: dict[str, tuple[str, list[str]]], shown: pd.DataFrame) -> None:
+def _mark(columns: dict[str, tuple[str, list[str]]], shown: Mapping[str, Array]) -> None:
     """Put a mark before what holds with a reserve, and the word where a flow had not stopped."""
-    for n, row in enumerate(shown[[*MARKS]].itertuples(index=False)):
-        marks = [mark for (mark, _), has in zip(MARKS.values(), row, strict=True) if has]
+    for n in range(shown["run"].size):
+        marks = [mark for caveat, (mark, _) in MARKS.items() if shown[caveat][n]]
         for name in MARKED if marks else ():
             columns[name][1][n] = marks[0] + columns[name][1][n]
-        if row.moving:
+        if shown["moving"][n]:
             columns["stop_time"][1][n] = "moving"
 
 

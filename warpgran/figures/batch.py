@@ -19,7 +19,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.gridspec import GridSpec
 
-from warpgran.analysis.caveats import WAITING
+from warpgran.analysis.run_columns import WAITING
 from warpgran.analysis.summary import summary
 from warpgran.analysis.units import Lengths
 from warpgran.arrays import Array

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from warpgran.analysis.run_columns import WAITING
 from warpgran.analysis.runs import status_words
 from warpgran.arrays import Array
 from warpgran.case.sensitivity_section import Sensitivity, read_sensitivity
 from warpgran.errors import ResultError
-
-WAITING = ("pending", "interrupted")
 
 
 @dataclass(frozen=True)

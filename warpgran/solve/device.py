@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import ctypes.util
+import ctypes
 import os
 import sys
 from collections.abc import Iterator
@@ -23,11 +23,11 @@ def start_quietly() -> None:
     For a program of its own; within another one see `quietly`.
     """
     wp.config.log_level = wp.LOG_WARNING
-    if ctypes.util.find_library("cuda") is None:
+    if _has_driver():
+        wp.init()
+    else:
         with _stderr_closed():
             wp.init()
-    else:
-        wp.init()
 
 
 @contextmanager
@@ -109,6 +109,15 @@ def _ram(pages: str = "SC_PHYS_PAGES") -> float:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf(pages) / 2**30
     except (AttributeError, ValueError, OSError):
         return 0.0
+
+
+def _has_driver() -> bool:
+    """Whether there is an NVIDIA driver, found as Warp finds it; `ctypes.util.find_library` would start a process."""
+    try:
+        ctypes.CDLL("nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1")
+    except OSError:
+        return False
+    return True
 
 
 @contextmanager

@@ -1,0 +1,55 @@
+"""The runs of a file, read without xarray, are those of its Dataset."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import warpgran as wg
+from warpgran.analysis.caveats import messages
+from warpgran.analysis.run_columns import RunColumns
+from warpgran.analysis.summary import summary_columns
+from warpgran.case.study import Study
+from warpgran.results.columns import read_columns
+from warpgran.results.reading import open_dataset
+from warpgran.run.options import Options
+from warpgran.run.to_file import run_to_file
+
+BASE = {"grid": {"right": 0.3, "cells": 50}, "time": {"end": 0.05, "rest_speed": 1e-3}}
+SERIES = {"series": {"every": 0.01}}
+SWEEPS: dict[str, dict[str, Any]] = {
+    "none": {},
+    "numbers": {"slope.angle": [0.0, 22.0], "grid.cells": [50, 60], "time.rest_speed": [1e-3, 1.0]},
+    "words": {"scheme.left": ["wall", "periodic"], "scheme.right": ["open", "periodic"]},
+}
+
+
+def written(path: Path, keys: dict[str, Any], times: dict[str, Any] = SERIES) -> Path:
+    case = wg.Case.from_dict(BASE | {"time": BASE["time"] | times})
+    study = case.sweep(keys, mode="zip") if keys else Study(case, {})
+    run_to_file(study, path, Options(engine="numpy"))
+    return path
+
+
+@pytest.mark.parametrize("keys", SWEEPS.values(), ids=SWEEPS)
+def test_columns_of_a_file_are_those_of_its_dataset(tmp_path: Path, keys: dict[str, Any]) -> None:
+    path = written(tmp_path / "a.h5", keys)
+    read, expected = read_columns(path), RunColumns.of(open_dataset(path))
+    for name in ("run", "status", "time", "series_time", "rest_speed", "left"):
+        np.testing.assert_array_equal(getattr(read, name), getattr(expected, name), err_msg=name)
+    for name in ("swept", "values", "series"):
+        ours, theirs = getattr(read, name), getattr(expected, name)
+        assert set(ours) == set(theirs), name
+        for each, values in ours.items():
+            np.testing.assert_array_equal(values, np.asarray(theirs[each]), err_msg=each)
+    assert read.run.size == (2 if keys else 1)
+    assert messages(read) == messages(expected)
+
+
+def test_columns_of_a_file_without_samples_give_a_table(tmp_path: Path) -> None:
+    read = read_columns(written(tmp_path / "a.h5", {}, {"series": []}))
+    assert messages(read) == []
+    assert np.isnan(summary_columns(read)["run_out"]).all()
