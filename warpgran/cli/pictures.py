@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,18 +19,22 @@ if TYPE_CHECKING:
 
 
 def plot(
-    file: ResultFile,
+    files: Annotated[list[Path], typer.Argument(metavar="OUT.h5...", help="Result files; several: over each other.")],
     output: Picture = None,
-    run: Annotated[int | None, typer.Option("--run", min=0, help="One run of a batch; default: all together.")] = None,
+    run: Annotated[
+        int | None, typer.Option("--run", min=0, help="One run of a batch, or of each file; default: all together.")
+    ] = None,
 ) -> None:
-    """Plot one run (profiles at the snapshots, time series), or a batch (results over the swept keys)."""
+    """Plot one run (profiles, time series), a batch (results over the swept keys), or files over each other."""
     from warpgran.figures.plot import plot
     from warpgran.results.reading import opened
 
-    made = output or file.with_suffix(".png")
-    with opened(file) as data:
-        plot(data, run=run, path=made)
-        print_caveats(data if run is None else data.isel(run=[run]))
+    made = output or files[0].with_name("_".join(file.stem for file in files) + ".png")
+    with ExitStack() as stack:
+        results = [stack.enter_context(opened(file)) for file in files]
+        plot(*results, run=run, path=made)
+        for file, data in zip(files, results, strict=True):
+            print_caveats(data if run is None else data.isel(run=[run]), of=file.name if len(files) > 1 else "")
     say(f"wrote {made}")
 
 

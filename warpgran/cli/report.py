@@ -59,12 +59,12 @@ def warn_of(study: Study) -> None:
         tell(f"warning: {line}")
 
 
-def print_caveats(data: xr.Dataset | RunColumns) -> None:
-    """Say on standard error which runs did not end cleanly, and whose results hold with a reserve."""
+def print_caveats(data: xr.Dataset | RunColumns, of: str = "") -> None:
+    """Say on standard error which runs, `of` which file, did not end cleanly, and whose results hold with a reserve."""
     from warpgran.analysis.caveats import messages
 
     for line in messages(data):
-        tell(line)
+        tell(f"{of}: {line}" if of else line)
 
 
 def print_summary(frame: pd.DataFrame | Mapping[str, Any]) -> None:

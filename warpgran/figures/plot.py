@@ -1,43 +1,62 @@
-"""The figure of a result: of one run, or of a batch."""
+"""The figure of results: of one run, of a batch, or of several results over each other."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import xarray as xr
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from warpgran.errors import ResultError
+from warpgran.errors import OptionError, ResultError
 from warpgran.figures.batch import draw_batch
 from warpgran.figures.one_run import draw_run
+from warpgran.figures.overlay import draw_overlay
 from warpgran.figures.style import PLOT_SUFFIXES, STYLE, checked, save
 
 
-def plot(data: xr.Dataset, *, run: int | None = None, path: str | Path | None = None) -> Figure:
-    """Draw a result on one page, 180 mm wide.
+def plot(
+    *results: xr.Dataset,
+    run: int | None = None,
+    labels: Sequence[str] | None = None,
+    path: str | Path | None = None,
+) -> Figure:
+    """Draw a result, or several over each other, on one page, 180 mm wide.
 
-    A single run is drawn by its profiles and series, a batch by its results over the swept keys.
+    A single run is drawn by its profiles and series, a batch by its results over the swept keys. Of several results,
+    the runs, eight at most, are drawn over each other: thickness at instants that all share, and series.
 
     Args:
-        data: a result.
-        run: one run of a batch, counted from 0; by default all together.
+        results: one or more.
+        run: one run of a batch, or of each result, counted from 0; by default all together.
+        labels: what several results are called; by default by their files, or titles, and by what differs.
         path: a picture to write, too: .png (200 dpi), .pdf or .svg.
 
     Returns:
         The figure: a notebook shows it, `figure.savefig("page.pdf")` saves it, and `figure.axes` are its panels.
 
     Raises:
-        OptionError: another suffix.
-        ResultError: no such run, nothing to draw, or a selection without the dimension `run`.
+        OptionError: another suffix, or what is to be drawn is no result.
+        ResultError: no such run, more than eight over each other, nothing to draw, or a selection without the
+            dimension `run`.
         StorageError: the picture cannot be written, or a file is there that warpgran did not write.
     """
     path = None if path is None else checked(path, PLOT_SUFFIXES)
-    if "run" not in data.dims:
-        raise ResultError("a figure needs the dimension `run`: select one run with data.isel(run=[0])")
+    for data in results:
+        if not isinstance(data, xr.Dataset):
+            raise OptionError(f"plot draws results, not {data!r}; the name of a picture is given as path=...")
+        if "run" not in data.dims:
+            raise ResultError("a figure needs the dimension `run`: select one run with data.isel(run=[0])")
+    if not results:
+        raise OptionError("plot draws results, and none is given")
     with rc_context(STYLE):
-        together = run is None and data.sizes["run"] > 1
-        figure = draw_batch(data) if together else draw_run(data, run or 0)
+        if len(results) > 1:
+            figure = draw_overlay(results, run, labels)
+        elif run is None and results[0].sizes["run"] > 1:
+            figure = draw_batch(results[0])
+        else:
+            figure = draw_run(results[0], run or 0)
     if path is not None:
         save(figure, path)
     return figure
