@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from warpgran.analysis.caveats import caveats as caveats
+    from warpgran.analysis.comparison import compare as compare
     from warpgran.analysis.fields import derive as derive
     from warpgran.analysis.forces import forces as forces
     from warpgran.analysis.runs import with_keys as with_keys
@@ -55,6 +56,7 @@ _HOME = {
     "WarpgranError": "errors",
     "caveats": "analysis.caveats",
     "calibrate": "calibration.calibrate",
+    "compare": "analysis.comparison",
     "converge": "studies.converge",
     "derive": "analysis.fields",
     "forces": "analysis.forces",

@@ -1,6 +1,6 @@
 """The application `warpgran`: its commands, and how errors are reported.
 
-Exit status: 0 done, 1 some runs did not finish cleanly, 2 bad input, 130 interrupted.
+Exit status: 0 done, 1 some runs did not finish cleanly or results differ, 2 bad input, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 from warpgran.cli.calibrate import calibrate
 from warpgran.cli.check import check
 from warpgran.cli.commands import info, merge, summary
+from warpgran.cli.compare import compare
 from warpgran.cli.converge import converge
 from warpgran.cli.pictures import animate, plot
 from warpgran.cli.reproduce import reproduce
@@ -72,8 +73,8 @@ def options(
 
 
 for command in (
-    new, run, check, info, plot, animate, view, summary, merge, converge, sensitivity, calibrate, verify, reproduce,
-    schema,
+    new, run, check, info, plot, animate, view, summary, compare, merge, converge, sensitivity, calibrate, verify,
+    reproduce, schema,
 ):  # fmt: skip
     app.command()(command)
 

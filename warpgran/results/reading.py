@@ -61,8 +61,8 @@ def opened(path: Path) -> Iterator[xr.Dataset]:
 
 
 @contextmanager
-def unspoiled(path: Path) -> Iterator[None]:
-    """A block that reads numbers of a file.
+def unspoiled(*paths: Path) -> Iterator[None]:
+    """A block that reads numbers of one file, or of several.
 
     Raises:
         StorageError: The library cannot make sense of what is there.
@@ -72,7 +72,7 @@ def unspoiled(path: Path) -> Iterator[None]:
     except OSError as error:
         if error.filename is not None:
             raise
-        raise StorageError(f"cannot read {path}: it is damaged ({error})") from error
+        raise StorageError(f"cannot read {' or '.join(map(str, paths))}: it is damaged ({error})") from error
 
 
 @contextmanager
