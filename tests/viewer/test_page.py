@@ -6,6 +6,7 @@ import base64
 import gzip
 import json
 import re
+import tracemalloc
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -142,6 +143,25 @@ def test_files_that_differ_in_a_key_have_a_column_of_it(tmp_path: Path) -> None:
     (column,) = (column for column in table["columns"] if column["kind"] == "key")
     assert (column["name"], column["values"]) == ("slope.angle", [22.0, 10.0])
     assert table["file"] == [0, 1]
+
+
+@pytest.mark.slow
+def test_a_large_run_is_read_piece_by_piece(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(profiles, "AT_ONCE", 200_000)
+    data = collapse(cells=200_000, snapshots=24, samples=5)
+    data["failure"] = "run", [""]
+    data["status"] = "run", np.array([0]), {"flag_values": np.array([0]), "flag_meanings": "ok"}
+    data.to_netcdf(tmp_path / "large.h5", engine="h5netcdf")
+    whole = data["h"].nbytes
+    del data
+    with xr.open_dataset(tmp_path / "large.h5", engine="h5netcdf") as data:
+        tracemalloc.start()
+        try:
+            written(data, tmp_path)
+            peak = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+    assert peak < whole
 
 
 def test_the_page_forbids_itself_to_load_anything(tmp_path: Path) -> None:

@@ -89,7 +89,12 @@ class Batch {
     for (const column of this.columns) this.names.append(make("div", {}, label(column.label, column.unit)));
     inner.append(this.names);
     this.parallel.append(inner);
+    if (!this.columns.some((column) => column.kind === "key")) {
+      this.parallel.closest("figure").hidden = true;
+      document.getElementById("ranges").hidden = true;
+    }
     this.sheet = new Sheet(inner, 220, () => this.drawParallel());
+    this.sheet.canvas.setAttribute("aria-label", "parameters and outcomes of all runs");
     const canvas = this.sheet.canvas;
     let drag = null;
     const place = (event) => {
@@ -110,12 +115,14 @@ class Batch {
       if (!drag.moved) return;
       const [a, b] = [drag.column.value(this.share(drag.from)), drag.column.value(this.share(y))];
       this.keep[drag.column.name] = [Math.min(a, b), Math.max(a, b)];
-      this.update(this.shown);
+      cancelAnimationFrame(this.waiting);
+      this.waiting = requestAnimationFrame(() => this.update(this.shown));
     });
     canvas.addEventListener("pointerup", () => {
       if (!drag) return;
       if (!drag.moved) delete this.keep[drag.column.name];
       drag = null;
+      cancelAnimationFrame(this.waiting);
       this.change();
     });
   }
@@ -237,7 +244,7 @@ class Batch {
 
   buildTable() {
     const many = new Set(this.table.file).size > 1;
-    this.heads = [["run", "run"], ...(many ? [["file", "file"]] : []), ...this.columns.map((c) => [c.name, c]), ["status", "status"]];
+    this.heads = [["run", "run"], ...(many ? [["file", "file"]] : []), ["status", "status"], ...this.columns.map((c) => [c.name, c])];
     const head = make("tr", { className: "head" }, make("th", { "aria-label": "shown" }));
     for (const [name, column] of this.heads) {
       const button = make("button", { type: "button" }, column.label ? label(column.label, column.unit) : column);

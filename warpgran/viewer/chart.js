@@ -36,7 +36,7 @@ function ticks(low, high, most) {
   const at = Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const large = Math.max(Math.abs(low), Math.abs(high));
-  if (large >= 1e5 || decimals > 4) return { at, text: (v) => (v === 0 ? "0" : v.toExponential(1).replace("e", "e")) };
+  if (large >= 1e5 || decimals > 4) return { at, text: (v) => (v === 0 ? "0" : v.toExponential(1)) };
   return { at, text: (v) => minus(v.toFixed(decimals)) };
 }
 
@@ -50,18 +50,20 @@ function short(value) {
   return minus(String(Number(value.toPrecision(4))));
 }
 
-// As many decimals as the step from one code to the next is worth.
+// As many decimals as the step from one code to the next is worth, and no more than seven digits.
 function exact(value, step) {
   if (!Number.isFinite(value)) return "\u2013";
   if (!(step > 0)) return short(value);
   const decimals = Math.ceil(-Math.log10(step));
-  return minus(decimals > 12 || decimals < 0 ? value.toPrecision(5) : value.toFixed(Math.min(decimals, 12)));
+  if (decimals < 0 || decimals > 9) return minus(String(Number(value.toPrecision(7))));
+  const before = Math.max(1, Math.ceil(Math.log10(Math.abs(value) + 1e-300)));
+  return minus(value.toFixed(Math.min(decimals, Math.max(0, 7 - before))));
 }
 
 // A canvas that fills its place, at the resolution of the screen.
 class Sheet {
   constructor(place, height, redraw) {
-    this.canvas = make("canvas");
+    this.canvas = make("canvas", { role: "img" });
     this.place = place;
     this.height = height;
     place.append(this.canvas);
@@ -149,7 +151,9 @@ class Chart {
     const horizontal = ticks(across[0], across[1], Math.max(2, Math.floor(w / 70)));
     for (const x of horizontal.at) {
       stroke(pen, [[px(x), top + h], [px(x), top + h + 4]], colour("faint"), 1);
-      pen.fillText(horizontal.text(x), px(x), top + h + 7);
+      const text = horizontal.text(x);
+      const over = Math.max(0, px(x) + pen.measureText(text).width / 2 - this.sheet.width);
+      pen.fillText(text, px(x) - over, top + h + 7);
     }
     stroke(pen, [[left, top + h], [left + w, top + h]], colour("faint"), 1);
   }

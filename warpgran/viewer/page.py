@@ -130,7 +130,7 @@ def _spread(data: xr.Dataset, most: int) -> xr.Dataset:
 
 def _write(page: View, part: Path, max_size: float) -> None:
     """Write the page piece by piece."""
-    lengths = Lengths.of(*(_spread(data, FOR_UNITS) for data in page.results.values()))
+    lengths = Lengths.of(*(_spread(data, FOR_UNITS).isel(time=slice(0, 1)) for data in page.results.values()))
     runs = Packing(table(page.results, lengths)).text()
     script, style = "".join(map(_asset, SCRIPTS)), _asset("viewer.css")
     head = _head(page, lengths)

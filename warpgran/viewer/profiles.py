@@ -148,7 +148,7 @@ def _wet(parts: Sequence[xr.Dataset]) -> Wet:
     """Where the mass is, part by part."""
     found = []
     for part in parts:
-        held = part.drop_vars("v").load()
+        held = part.drop_vars("v").compute()  # not load, by which the part would keep it
         h = held["h"].transpose("run", "time", ...).values
         mass = thick(held).transpose("run", "time", ...).values
         finite = np.isfinite(h)

@@ -49,7 +49,9 @@ function panelOf(place, panel, actions) {
   const canvas = make("div", { className: "canvas" });
   const figure = make("figure", { "data-name": panel.name }, make("figcaption", {}, label(panel.label, panel.unit), values), canvas);
   place.append(figure);
-  return { panel, values, chart: new Chart(canvas, 150, actions) };
+  const chart = new Chart(canvas, 150, actions);
+  chart.sheet.canvas.setAttribute("aria-label", panel.label.map(([text]) => text).join(""));
+  return { panel, values, chart };
 }
 
 // ---- the address
