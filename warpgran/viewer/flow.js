@@ -89,7 +89,7 @@ class Flow {
       const place = places[i];
       const bed = Array.from(run.x, (s, k) => point(place, s, run.arrays.bed[k]));
       const key = `${run.angle} ${run.x[0]} ${run.x[run.x.length - 1]}`;
-      if (!grounds.has(key)) this.ground(pen, place, bed, point, times, grounds.size === 0);
+      if (!grounds.has(key)) this.ground(pen, place, bed);
       grounds.add(key);
       const top = Array.from(run.x, (s, k) => point(place, s, run.arrays.bed[k] + (h[k] || 0)));
       pen.beginPath();
@@ -100,6 +100,7 @@ class Flow {
       pen.globalAlpha = 1;
       stroke(pen, top, style, 1.6, dash);
     });
+    this.numbers(pen, first, point);
     if (this.cursor !== null) {
       const run = first.run;
       const b = run.arrays.bed[Math.round((this.cursor - run.x[0]) / (run.spacing || 1))] || 0;
@@ -108,16 +109,19 @@ class Flow {
     return times;
   }
 
-  // The bed with a shade below it, and positions along it where it is the first.
-  ground(pen, place, bed, point, times, numbered) {
-    const { run, cos, sin } = place;
+  // The bed with a shade below it.
+  ground(pen, { cos, sin }, bed) {
     const below = bed.map(([x, y]) => [x - 7 * sin, y + 7 * cos]).reverse();
     pen.beginPath();
     for (const [x, y] of [...bed, ...below]) pen.lineTo(x, y);
     pen.fillStyle = colour("ground");
     pen.fill();
     stroke(pen, bed, colour("quiet"), 1);
-    if (!numbered) return;
+  }
+
+  // Positions along the bed.
+  numbers(pen, place, point) {
+    const { run, cos, sin } = place;
     const { factor } = this.position;
     const ends = [run.x[0] * factor, run.x[run.x.length - 1] * factor];
     const marks = ticks(ends[0], ends[1], Math.max(2, Math.floor(this.sheet.width / 110)));
