@@ -48,7 +48,7 @@ nitpick_ignore_regex = [
     # what a calibration keeps for itself
     (r"py:.*", r"warpgran\.calibration\.stages\..*"),
     # aliases, whose values the docstrings say, and the types by which editors complete `Case.with_`
-    (r"py:.*", r"Precision|EngineName|warpgran\.case\.changes\..*"),
+    (r"py:.*", r"Array|RunColumns|Precision|EngineName|warpgran\.case\.changes\..*"),
 ]
 
 html_theme = "furo"

@@ -69,6 +69,12 @@ def test_public_names_are_there() -> None:
     assert [(file, name) for file, name in names if not hasattr(wg, name)] == []
 
 
+def test_public_names_have_their_place_on_the_page() -> None:
+    page = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
+    described = re.findall(r"^\.\. auto(?:class|function|exception):: (\w+)$", page, re.MULTILINE)
+    assert set(wg.__all__) - set(described) == set()
+
+
 def test_modules_that_are_named_are_there() -> None:
     names = list(found(r"(?<![\w/.])(warpgran(?:\.[a-z]\w*)+)\b(?!/)", DOCUMENTS))
     assert ("benchmarks/README.md", "warpgran.solve.blocks.plan") in names

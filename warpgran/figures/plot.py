@@ -34,7 +34,7 @@ def plot(
         path: a picture to write, too: .png (200 dpi), .pdf or .svg.
 
     Returns:
-        The figure: a notebook shows it, `figure.savefig("page.pdf")` saves it, and `figure.axes` are its panels.
+        The figure. A notebook shows it, `figure.savefig("page.pdf")` saves it, and `figure.axes` are its panels.
 
     Raises:
         OptionError: another suffix, or what is to be drawn is no result.
