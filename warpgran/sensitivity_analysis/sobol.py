@@ -2,8 +2,8 @@
 
 The estimators are those of `scipy.stats.sobol_indices` (Saltelli et al., Comput. Phys. Commun. 181, 259, 2010, table 2
 b and f), to which they agree to rounding. That function refuses numbers of samples that are no power of 2, as they are
-when some are left out; its bootstrap takes no seed, and 20 s for a series of 200 times. Here indices are ratios of
-weighted means, so that a resample is a row of weights, and all of them, of all times, one product of matrices.
+when some are left out, and its bootstrap takes no seed. Here indices are ratios of weighted means, so that a resample
+is a row of weights, and all of them, of all times, one product of matrices.
 """
 
 from __future__ import annotations
