@@ -111,6 +111,7 @@ def test_numbers_under_the_pointer_are_those_of_the_result(chromium: Any, one: t
         assert read == pytest.approx(factor * float(here[name]), abs=1.01 * step), name
         assert step < 0.01 * abs(read), name
     assert page.numbers("#flow") == page.numbers("#profiles figure[data-name=h]")
+    assert page.tab.locator("#exact").inner_text().endswith("stored in 16 bits here; the exact ones are in one.h5.")
     page.close()
 
 

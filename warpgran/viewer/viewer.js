@@ -398,7 +398,8 @@ function ordinal(n) {
 function drawNumbers() {
   const files = head.files.filter(Boolean).join(", ") || "the result";
   const place = document.querySelector("#numbers > div");
-  const text = `Profiles and series are stored in 16 bits, each of a run with a step of its own: what is read here is the number of the file to half a step. The exact numbers are in ${files}. All profiles but the thickness are shown only where the compacted thickness exceeds h_front. Made by warpgran ${head.version}.`;
+  byId("exact").textContent = `Numbers are stored in 16 bits here; the exact ones are in ${files}.`;
+  const text = `Each profile and series of a run has a step of its own, and what is read here is the number of the file to half a step. All profiles but the thickness are shown only where the compacted thickness exceeds h_front. Made by warpgran ${head.version}.`;
   const top = make("tr", {}, make("th", { className: "left" }, "step"), ...runs.map(({ row }) => make("th", {}, batch.name(row))));
   const lines = [...head.profiles, ...head.series].map((panel) =>
     make("tr", {}, make("td", { className: "left" }, label(panel.label, panel.unit)), ...runs.map(({ run }) => make("td", {}, (run.step(panel.name) * panel.factor).toPrecision(2)))));
