@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from warpgran.errors import OptionError as OptionError
     from warpgran.errors import ResultError as ResultError
     from warpgran.errors import WarpgranError as WarpgranError
+    from warpgran.figures.animation import animate as animate
     from warpgran.figures.plot import plot as plot
     from warpgran.files import StorageError as StorageError
     from warpgran.results.reading import open_dataset as open_dataset
@@ -54,6 +55,7 @@ _HOME = {
     "Study": "case.study",
     "TableError": "case.tables",
     "WarpgranError": "errors",
+    "animate": "figures.animation",
     "caveats": "analysis.caveats",
     "calibrate": "calibration.calibrate",
     "compare": "analysis.comparison",

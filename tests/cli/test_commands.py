@@ -211,7 +211,7 @@ def test_all_errors_are_told_at_once(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "words"), [("run=3", "run 3"), ("suffix", "must end in .png"), ("few", "snapshots = { every")]
+    ("change", "words"), [("run=3", "run 3"), ("suffix", "must end in .png"), ("few", "time.snapshots={every=")]
 )
 def test_a_picture_that_cannot_be_made(folder: Path, change: str, words: str) -> None:
     warpgran("run", "quick.toml", "--no-picture", "--set", "time.snapshots=[0.2]")

@@ -42,14 +42,19 @@ def animate(
     file: ResultFile,
     output: Picture = None,
     run: Annotated[int, typer.Option("--run", min=0, help="Which run of the file.")] = 0,
-    fps: Annotated[int, typer.Option(min=1, max=60, help="Snapshots per second.")] = 12,
+    fps: Annotated[
+        int | None, typer.Option(min=1, max=60, help="Snapshots per second; default: so that it takes about 5 s.")
+    ] = None,
 ) -> None:
     """Animate the snapshots of a run on its slope, coloured by volume fraction, as GIF or MP4."""
     from warpgran.figures.animation import animate
     from warpgran.results.reading import opened
 
+    made = output or file.with_suffix(".gif")
     with opened(file) as data:
-        made = animate(data, output or file.with_suffix(".gif"), run=run, fps=fps)
+        film = animate(data, run=run, path=made, fps=fps)
+    if film.advice:
+        tell(f"few snapshots: {film.advice}")
     say(f"wrote {made}")
 
 

@@ -8,67 +8,103 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib import rc_context
-from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimation, PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from warpgran.analysis.fields import number, parameter
 from warpgran.analysis.front import thick
+from warpgran.analysis.units import Lengths, LengthUnit, unit_of
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
 from warpgran.figures.heading import run_heading
 from warpgran.figures.selection import computed_snapshots, one_run, wet_range
-from warpgran.figures.style import STYLE, checked
+from warpgran.figures.style import STYLE, Sheet, checked
 from warpgran.files import MARK, replacing
 
 ANIMATION_SUFFIXES = (".gif", ".mp4")
+SECONDS = 5.0  # of an animation, by default
+MOST_FPS = 25
+FEW, SMOOTH = 20, 60  # snapshots that move by jerks, and that do not
 WIDEST = 1e9
 """Metres of a view, more than any flow has: a result may come from anywhere, and infinite numbers have no view."""
 
 
-def animate(data: xr.Dataset, path: str | Path, *, run: int = 0, fps: int = 12, dpi: float = 110) -> Path:
+def animate(
+    data: xr.Dataset, *, run: int = 0, path: str | Path | None = None, fps: int | None = None, dpi: float = 110
+) -> Film:
     """Animate the collapse of one run on its slope, one frame a snapshot, coloured by volume fraction.
 
     Args:
         data: a result with two snapshots or more.
-        path: the animation to write: .gif, or .mp4 where ffmpeg is installed.
-        run: which run of the result.
-        fps: frames a second.
+        run: which run of the result, counted from 0.
+        path: an animation to write, too: .gif, or .mp4 where ffmpeg is installed.
+        fps: frames a second; by default so many that it takes about 5 s.
         dpi: pixels an inch; a frame is about 8 inches wide.
 
     Returns:
-        The path of the animation.
+        The animation, one of matplotlib's: a notebook shows it, and `save` writes it.
 
     Raises:
         OptionError: another suffix.
         StorageError: the animation cannot be written, or a file is there that warpgran did not write.
-        ResultError: .mp4 without ffmpeg, no such run, fewer than two snapshots, or a view wider than WIDEST.
+        ResultError: .mp4 without ffmpeg, no such run, or fewer than two snapshots.
     """
-    path = checked(path, ANIMATION_SUFFIXES)
-    writer = _movie_writer(path.suffix.lower(), fps)
+    path = None if path is None else checked(path, ANIMATION_SUFFIXES)
     one = computed_snapshots(one_run(data, run))
-    if one.sizes["time"] < 2:
-        raise ResultError(
-            f"an animation needs two snapshots or more, run {run} has {one.sizes['time']}: "
-            "set `time.snapshots = { every = 0.02 }` in the run file and run it again"
-        )
-    with rc_context(STYLE), replacing(path, ours=MARK) as part:
-        scene = Scene(one, dpi)
-        with writer.saving(scene.figure, str(part), dpi):
-            for instant in range(one.sizes["time"]):
-                scene.show(instant)
-                writer.grab_frame()
-    return path
+    held = one.sizes["time"]
+    if held < 2:
+        raise ResultError(f"an animation needs two snapshots or more, run {run} has {held}: {_more_snapshots(one)}")
+    fps = fps or int(np.clip(round(held / SECONDS), 1, MOST_FPS))
+    writer = None if path is None else _movie_writer(path.suffix.lower(), fps)
+    with rc_context(STYLE):
+        scene = Scene(one, dpi, unit_of(Lengths.of(data.isel(run=[run])).along))
+        film = Film(scene, held, fps, _more_snapshots(one) if held < FEW else "")
+    if path is not None and writer is not None:
+        with replacing(path, ours=MARK) as part:
+            film.save(part, writer=writer, dpi=dpi)
+    return film
+
+
+def _more_snapshots(one: xr.Dataset) -> str:
+    """How to get as many as make a smooth animation."""
+    every = float(f"{number(one, 'time.end') / SMOOTH:.2g}")
+    return f"run it again with --set 'time.snapshots={{every={every:g}}}' for about {SMOOTH}"
+
+
+class Film(FuncAnimation):
+    """An animation that is drawn and saved in our style wherever it is taken, and that a notebook shows by itself.
+
+    Attributes:
+        figure: what is drawn on.
+        advice: how to get more frames, if there are few; else "".
+    """
+
+    def __init__(self, scene: Scene, frames: int, fps: int, advice: str) -> None:
+        """Show so many snapshots of a scene, so many a second."""
+        self.figure, self.advice = scene.figure, advice
+        super().__init__(scene.figure, scene.show, frames=frames, interval=1000.0 / fps)
+
+    def __del__(self) -> None:
+        """Go in silence: matplotlib warns of an animation that was never shown, which a script may well make."""
+
+    def save(self, *arguments: Any, **options: Any) -> None:
+        """Save it; see matplotlib's own."""
+        with rc_context(STYLE):
+            super().save(*arguments, **options)
+
+    def _repr_html_(self) -> str:
+        return str(self.to_jshtml())
 
 
 class Scene:
     """A frame: slope, wall, material, colour bar, time. The material moves from frame to frame."""
 
-    def __init__(self, one: xr.Dataset, dpi: float) -> None:
-        """Draw what does not move. one: one run with its snapshots; dpi: pixels an inch."""
+    def __init__(self, one: xr.Dataset, dpi: float, unit: LengthUnit) -> None:
+        """Draw what does not move. one: one run with its snapshots; dpi: pixels an inch; unit: of the axes."""
+        self.unit = unit
         self.theta = np.deg2rad(number(one, "slope.angle"))
         self.one = one.isel(x=wet_range(one))
         self.edges, self.bed = _edges(self.one["x"].values), _at_edges(self.one["bed"].values)
@@ -90,36 +126,35 @@ class Scene:
         self.ax.set_title(f"$t$ = {float(self.one['time'][instant]):.3f} s", loc="left", fontsize=9)
 
     def _tilted(self, x: Array, z: Array) -> Array:
-        """Horizontal and vertical position [m] of points at x along the slope and z normal to it [m]."""
+        """Horizontal and vertical position, in the unit of the axes, of points at x along and z normal to it [m]."""
         cos, sin = np.cos(self.theta), np.sin(self.theta)
-        return np.stack([x * cos + z * sin, -x * sin + z * cos], axis=-1)
+        return self.unit.factor * np.stack([x * cos + z * sin, -x * sin + z * cos], axis=-1)
 
     def _surface(self, instant: int) -> Array:
-        """The free surface at the edges of the cells [m]."""
+        """The free surface at the edges of the cells."""
         h = np.nan_to_num(self.one["h"].values[instant])
         return self._tilted(self.edges, self.bed + _at_edges(h))
 
-    def _canvas(self, dpi: float) -> tuple[Figure, Axes]:
+    def _canvas(self, dpi: float) -> tuple[Sheet, Axes]:
         """A figure just as large as the view needs at equal aspect; its pixels are even, as video asks."""
         corners = [self._tilted(self.edges, self.bed), *(self._surface(i) for i in range(self.one.sizes["time"]))]
         low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
-        if not np.max(high - low) < WIDEST:
-            raise ResultError(
-                f"run {self.one.attrs['run']} cannot be drawn: it is {np.max(high - low):.3g} m wide or high"
-            )
+        if not np.max(high - low) < WIDEST * self.unit.factor:
+            reach = f"{np.max(high - low):.3g} {self.unit.name}"
+            raise ResultError(f"run {self.one.attrs['run']} cannot be drawn: it is {reach} wide or high")
         pad = 0.03 * np.max(high - low)
         low, high = low - pad, high + pad
-        scale = np.min(np.array([6.0, 4.6]) / (high - low))  # inches a metre
+        scale = np.min(np.array([6.0, 4.6]) / (high - low))  # inches a unit
         size = np.maximum((high - low) * scale, [3.6, 1.3])
         high = low + size / scale
         title = run_heading(self.one, int(13 * (size[0] + 1.9)))
         left, bottom, right, top = 0.75, 0.5, 1.15, 0.4 + 0.17 * (1 + title.count("\n"))
         whole = 2 * np.ceil((size + np.array([left + right, bottom + top])) * dpi / 2) / dpi
-        figure = Figure(figsize=(whole[0], whole[1]))
+        figure = Sheet(figsize=(whole[0], whole[1]), dpi=dpi)
         FigureCanvasAgg(figure)
         ax = figure.add_axes((left / whole[0], bottom / whole[1], size[0] / whole[0], size[1] / whole[1]))
         ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-        ax.set(xlabel="horizontal position (m)", ylabel="vertical position (m)")
+        ax.set(xlabel=f"horizontal position ({self.unit.name})", ylabel=f"vertical position ({self.unit.name})")
         figure.suptitle(title, fontsize=9, y=1 - 0.08 / whole[1])
         return figure, ax
 
