@@ -31,7 +31,7 @@ extensions = [
 exclude_patterns = ["tutorials", "gallery"]  # scripts: sphinx-gallery runs them into made/
 html_math_renderer = "mathml"
 highlight_language = "text"
-smartquotes = False  # quotation marks of the pages are those of code more often than not
+smartquotes_action = "D"  # dashes alone: quotation marks of the pages are those of code more often than not
 default_role = "code"  # docstrings mark names with single backticks
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
@@ -42,6 +42,7 @@ autodoc_typehints_description_target = "documented"
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 napoleon_google_docstring = True
+napoleon_use_ivar = True
 nitpick_ignore_regex = [
     # libraries that are described elsewhere: nothing is fetched from there when the site is made
     (r"py:.*", r"(os|xr|xarray|np|numpy|pd|pandas|matplotlib|pathlib|typing|collections)\..*|Path|Client"),

@@ -27,9 +27,11 @@ class Largest(NamedTuple):
     """The largest difference of a quantity between two runs, or the difference of one that has a single value.
 
     Attributes:
-        run_a, run_b: numbers of the runs.
+        run_a: number of the run in a.
+        run_b: number of the run in b.
         quantity: its name in the result.
-        a, b: what it is in either run there and then, in the units of the result.
+        a: what it is in a there and then, in the units of the result.
+        b: what it is in b.
         difference: b - a; NaN where nothing can be compared, as after a divergence.
         time: when, s; NaN of a single value.
         x: where, m; NaN of a series and of a single value.
