@@ -85,6 +85,14 @@ MALFORMED: dict[str, tuple[Callable[[h5py.File], None], str]] = {
     "soft link": (replaced("h", h5py.SoftLink("/phi")), "h is a link to another place"),
     "external storage": (stored_elsewhere, "run_out is stored in another place"),
     "virtual": (virtual, "run_out is stored in another place"),
+    "checksums in another place": (
+        lambda file: file.create_group("checks").__setitem__("rows", h5py.ExternalLink("/dev/zero", "h")),
+        "rows is a link to another place",
+    ),
+    "checksums of other runs": (
+        lambda file: file.create_dataset("checks/rows", data=np.zeros(3, "u8")),
+        "checks/rows has not a number a run",
+    ),
     "references": (references, "run_out has the type object"),
     "one dimension": (replaced("h", np.zeros(2)), "h has not the dimensions run, time, x"),
     "another length": (replaced("run_out", np.zeros(3)), "run_out has another length than run"),

@@ -209,6 +209,26 @@ def test_runs_that_are_spoiled_are_computed_again(path: Path, name: str) -> None
         np.testing.assert_array_equal(resumed[variable], whole[variable])
 
 
+@pytest.mark.parametrize("name", ["front", "steps", "status", "checks/rows"])
+def test_runs_that_are_spoiled_in_an_interrupted_file_are_computed_again(path: Path, name: str) -> None:
+    run_to_file(study(), path, Options(threads=1))
+    whole = wg.open_dataset(path).load()
+    path.unlink()
+    run_to_file(study(), path, Options(threads=1), compute=interrupted)
+    with h5py.File(path) as file:
+        offset, size = file[name].id.get_offset(), file[name].nbytes // 4
+    data = bytearray(path.read_bytes())
+    data[offset + size] ^= 2  # in the row of run 1; the status becomes step_limit
+    path.write_bytes(data)
+    outcome = run_to_file(study(), path, Options(threads=1), resume=True)
+    assert outcome.spoiled == 1
+    resumed = wg.open_dataset(path).load()
+    for variable in whole.data_vars:
+        np.testing.assert_array_equal(resumed[variable], whole[variable])
+    with h5py.File(path) as file:
+        assert "checks" not in file
+
+
 def test_a_structure_that_is_spoiled_is_refused(path: Path) -> None:
     with pytest.raises(RuntimeError):
         run_to_file(study(), path, Options(), compute=killed)

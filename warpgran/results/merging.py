@@ -15,7 +15,7 @@ from warpgran.files import StorageError, replacing
 from warpgran.results.datasets import describe_as
 from warpgran.results.layout import FAILURE, now
 from warpgran.results.output import result_path
-from warpgran.results.part_file import CHECKS, Spent
+from warpgran.results.part_file import CHECKS, SPENT, Spent
 from warpgran.results.reading import pending, reading, unspoiled
 from warpgran.results.reserving import Reserve, bytes_of, reserving
 
@@ -52,7 +52,7 @@ def merge(shards: Sequence[Path], path: Path, *, force: bool = False) -> Merged:
     with ExitStack() as stack, replacing(target) as part:
         files = [stack.enter_context(reading(shard)) for shard in shards]
         for shard, file in zip(shards, files, strict=True):
-            if CHECKS in file:
+            if SPENT in file:
                 raise StorageError(f"cannot merge {shard}: its runs are still being computed; go on with --resume")
             _check_same(shard, file, files[0], shards[0])
         runs = np.concatenate([file["run"][:] for file in files])
@@ -97,7 +97,7 @@ def _join(files: Sequence[h5py.File], target: h5py.File, reserve: Reserve, order
     for name in Spent._fields:
         target.attrs[name] = sum(file.attrs[name] for file in files)
     target.attrs["history"] = f"{first.attrs['history']}\n{now()} merged from {len(files)} files by warpgran merge"
-    for name in sorted(first, key=lambda name: not first[name].is_scale):
+    for name in sorted({*first} - {CHECKS}, key=lambda name: (not first[name].is_scale, name)):
         describe_as(_joined(name, files, target, reserve, order), first[name])
 
 

@@ -6,7 +6,8 @@ status last; nothing else of the file is ever touched. Killed at any moment, it 
 `--resume` completes. Once all runs are stored it is copied to the final name.
 
 What a disk or a copy has spoiled is found by checksums: one a run, in the group CHECKS with the time that has been
-spent, and one of everything that is not a run's, the seal behind the end.
+spent, and one of everything that is not a run's, the seal behind the end. The finished file keeps those of the runs
+where some are still to be computed.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from warpgran.results.seal import seal
 from warpgran.schema import Status
 
 CHECKS = "checks"
-"""Group of the part file with what belongs to no result."""
+"""Group with what belongs to no result."""
 ROWS, SPENT = f"{CHECKS}/rows", f"{CHECKS}/spent"
 
 
@@ -105,10 +106,7 @@ class PartFile:
             self.before = Spent(*file[SPENT][:].tolist())
             rows = file[ROWS][:]
         for place in np.flatnonzero(~pending(self.status)).tolist():
-            if self._sum_there(place) != rows[place]:
-                self.spoiled += 1
-                self.status[place] = Status.PENDING
-                self._write("status", place, np.int8(Status.PENDING).tobytes())
+            self.check(place, rows[place])
 
     def __enter__(self) -> PartFile:
         return self
@@ -138,6 +136,13 @@ class PartFile:
                 self._write("status", place, row[-1])
                 self.status[place] = rows["status"][n]
 
+    def check(self, place: int, checksum: int) -> None:
+        """Make a run pending again whose numbers in the file are not those of this checksum."""
+        if self._sum_there(place) != checksum:
+            self.spoiled += 1
+            self.status[place] = Status.PENDING
+            self._write("status", place, np.int8(Status.PENDING).tobytes())
+
     def spend(self, cell_steps: int, kernel_seconds: float) -> None:
         """Add to what the runs of this session have taken."""
         self._spent = self._spent.plus(Spent(cell_steps, kernel_seconds))
@@ -160,6 +165,9 @@ class PartFile:
         with replacing(path, self._new) as final, _naming(path):
             with reading(self.path) as source, reserving(final) as (target, reserve):
                 write_compressed(source, target, self.layout, self.status, reserve)
+                if pending(self.status).any():
+                    reserve(source[ROWS].nbytes)
+                    target[ROWS] = source[ROWS][:]
                 facts = {**attributes, **spent, "cell_steps": int(spent["cell_steps"])}
                 target.attrs.update({**source.attrs, **facts})
         self.path.unlink()
@@ -181,13 +189,16 @@ def copy_done(path: Path, part: PartFile) -> None:
     """Copy those runs of a finished file that need not be computed again, and what they took; not what is damaged."""
     with reading(path) as file:
         status = file["status"][:]
-        for place in np.flatnonzero(~pending(status)):
+        checksums = file[ROWS][:] if ROWS in file else None
+        for place in np.flatnonzero(~pending(status)).tolist():
             try:
                 rows = {name: np.asarray(file[name][place])[None] for name in part.layout.columns}
             except OSError:
                 part.spoiled += 1
                 continue
-            part.put([int(place)], rows)
+            part.put([place], rows)
+            if checksums is not None:
+                part.check(place, checksums[place])
         part.before = Spent(*(float(file.attrs[name]) for name in Spent._fields))
     part.spend(0, 0.0)
 

@@ -62,14 +62,8 @@ def _line(error: Exception) -> str:
 
 def _fault(file: h5py.File, size: int) -> str:
     """What is wrong with a file of so many bytes, "" if nothing is."""
-    for name in file:
-        if not isinstance(file.get(name, getlink=True), h5py.HardLink):
-            return f"{name} is a link to another place"
-        item = file[name]
-        if isinstance(item, h5py.Dataset) and (item.external or item.is_virtual):
-            return f"{name} is stored in another place"
-        if isinstance(item, h5py.Dataset) and item.size and item.nbytes > _MOST_PACKED * size:
-            return f"{name} is larger than the file can hold"
+    if wrong := _elsewhere(file, size):
+        return wrong
     for name in (*TEXTS, *(["sensitivity"] if "sensitivity" in file.attrs else [])):
         if not isinstance(file.attrs.get(name), str):
             return f"the attribute {name} is not text"
@@ -85,7 +79,34 @@ def _fault(file: h5py.File, size: int) -> str:
         padded = along == "cell" and name not in dimensions
         if wrong := _wrong(file, name, variable.padded if padded else variable):
             return wrong
-    return _wrong_values(file, along)
+    return _wrong_checks(file, size) or _wrong_values(file, along)
+
+
+def _elsewhere(group: h5py.Group, size: int) -> str:
+    """What of a group is not in the file, which has so many bytes."""
+    for name in group:
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            return f"{name} is a link to another place"
+        item = group[name]
+        if isinstance(item, h5py.Dataset) and (item.external or item.is_virtual):
+            return f"{name} is stored in another place"
+        if isinstance(item, h5py.Dataset) and item.size and item.nbytes > _MOST_PACKED * size:
+            return f"{name} is larger than the file can hold"
+    return ""
+
+
+def _wrong_checks(file: h5py.File, size: int) -> str:
+    """What is wrong with the checksums of runs, which stand in files with runs to be computed alone."""
+    checks = file.get("checks")
+    if checks is None:
+        return ""
+    if not isinstance(checks, h5py.Group):
+        return "checks is no group"
+    if wrong := _elsewhere(checks, size):
+        return wrong
+    rows = checks.get("rows")
+    good = isinstance(rows, h5py.Dataset) and rows.dtype == np.uint64 and rows.shape == file["run"].shape
+    return "" if good else "checks/rows has not a number a run"
 
 
 def _wrong(file: h5py.File, name: str, variable: Variable) -> str:
@@ -110,7 +131,7 @@ def _wrong(file: h5py.File, name: str, variable: Variable) -> str:
 
 def _wrong_values(file: h5py.File, along: str) -> str:
     """What is wrong with the statuses or the coordinates."""
-    in_part = "checks" in file  # where each run has a checksum
+    in_part = "checks/spent" in file  # where each run has a checksum, and one that is spoiled is computed again
     if not in_part and not np.isin(file["status"][:], [int(status) for status in Status]).all():
         return "status has an unknown code"
     increasing = ["run", "time", "series_time", *(["x"] if along == "x" else [])]
