@@ -31,7 +31,7 @@ def main() -> None:
             assert warpgran(*shard, folder=folder).code == 0
         needed = 2.5 * (folder / "whole.h5").stat().st_size + 2**20
         for trial in range(trials):
-            size = int(16_384 * (needed / 16_384) ** (trial / max(1, trials - 1)))
+            size = int(16_384 + (needed - 16_384) * trial / max(1, trials - 1))
             with small_disk(folder / "disk", size) as disk:
                 for words, end in _tries(disk, whole, PICTURES[trial % len(PICTURES)]):
                     ended.append(end)
