@@ -1,5 +1,7 @@
 """What a key is declared with reaches the JSON schema, `help` and the words of errors."""
 
+import subprocess
+import sys
 from typing import Any
 
 import pytest
@@ -45,6 +47,17 @@ def test_a_key_is_all_that_it_was_declared_with() -> None:
     assert (key.kind, key.allowed, key.hint) == (float, "> 0 and <= 2.5", "> 0 and <= 2.5, in m")
     assert (switch.kind, switch.hint, switch.default) == (bool, "", True)
     assert Section.__doc__ == "Two keys.\n\nAttributes:\n    thick: Thickness of a layer.\n    on: A switch."
+
+
+def test_no_source_is_read_for_docstrings_until_they_are_asked_for() -> None:
+    code = (
+        "import warpgran.case.read_study\n"
+        "from warpgran.case.case import Case\n"
+        "from warpgran.case.model import meanings\n"
+        "before = meanings.cache_info().currsize; Case.__doc__; print(before, meanings.cache_info().currsize > 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["0", "True"]
 
 
 def test_keys_follow_keys_and_say_which() -> None:

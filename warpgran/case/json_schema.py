@@ -26,7 +26,7 @@ def json_schema() -> dict[str, Any]:
     title = (str, Case.model_fields["title"])
     fields: Any = {"title": title} | {name: (model, None) for name, model in ALL_SECTIONS.items()}
     raw = create_model("RunFile", __base__=Model, **fields).model_json_schema()
-    properties = {"title": _key(raw["properties"]["title"], KeyInfo.of(Case.model_fields["title"]))}
+    properties = {"title": _key(raw["properties"]["title"], KeyInfo.of(Case, "title"))}
     for name, model in ALL_SECTIONS.items():
         section = raw["$defs"].pop(model.__name__)
         described = model.described()

@@ -22,7 +22,7 @@ def with_tables(page: str) -> str:
     """
     sections = {f"`[{name}]`": model.described() for name, model in ALL_SECTIONS.items()}
     sections |= {
-        "Top level": {"title": KeyInfo.of(Case.model_fields["title"])},
+        "Top level": {"title": KeyInfo.of(Case, "title")},
         "Distributions": Distribution.described(),
     }
     for heading, keys in sections.items():

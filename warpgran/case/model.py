@@ -6,10 +6,14 @@ schema follow from it.
 
 from __future__ import annotations
 
+import ast
 import inspect
 import json
+import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -65,8 +69,9 @@ class KeyInfo:
     Attributes:
         kind: float, int, bool or str; None for a table or a list.
         allowed: In words and without the unit; "" for any text, and for true or false.
-        meaning: In Markdown.
         factor: From `unit` to `display_unit`.
+        section: Where it is declared.
+        attribute: Its name there.
     """
 
     default: Any
@@ -75,15 +80,17 @@ class KeyInfo:
     allowed: str
     name: str
     symbol: str
-    meaning: str
     unit: str
     display_unit: str
     factor: float
     order: int | None
+    section: type[Model]
+    attribute: str
 
     @classmethod
-    def of(cls, field: FieldInfo) -> KeyInfo:
-        """The key that a field of a section is."""
+    def of(cls, section: type[Model], attribute: str) -> KeyInfo:
+        """The key that an attribute of a section is."""
+        field = section.model_fields[attribute]
         extra: Any = field.json_schema_extra
         return cls(
             default=None if field.is_required() else field.default,
@@ -92,12 +99,18 @@ class KeyInfo:
             allowed=extra.get("allowed") or _allowed(field),
             name=field.title or "",
             symbol=extra["symbol"],
-            meaning=" ".join((field.description or "").split()),
             unit=extra["unit"],
             display_unit=extra["display_unit"],
             factor=extra["display_factor"],
             order=extra.get("order"),
+            section=section,
+            attribute=attribute,
         )
+
+    @property
+    def meaning(self) -> str:
+        """In Markdown."""
+        return " ".join(meanings(self.section).get(self.attribute, "").split())
 
     @property
     def hint(self) -> str:
@@ -122,9 +135,27 @@ def _kind(annotation: Any) -> type | None:
     return annotation if annotation in (float, int, bool, str) else None
 
 
+@cache
+def meanings(section: type[Model]) -> dict[str, str]:
+    """The docstring below each key, read from the source when it is asked for: a run needs none."""
+    try:
+        source = textwrap.dedent(inspect.getsource(section))
+    except (OSError, TypeError):  # made without a source
+        return {}
+    (body,) = (node.body for node in ast.parse(source).body if isinstance(node, ast.ClassDef))
+    return {
+        key.target.id: inspect.cleandoc(text.value.value)
+        for key, text in pairwise(body)
+        if isinstance(key, ast.AnnAssign) and isinstance(key.target, ast.Name)
+        if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant) and isinstance(text.value.value, str)
+    }
+
+
 def _describe(schema: dict[str, Any], model: type[Model]) -> None:
     """The first paragraph of the docstring in a JSON schema, where each key has its own description."""
     schema["description"] = (model.__doc__ or "").partition("\n\n")[0]
+    for name, meaning in meanings(model).items():
+        schema["properties"][model.keys()[name]]["description"] = meaning
 
 
 if TYPE_CHECKING:
@@ -135,6 +166,15 @@ else:
 
 class _Concise(ModelMetaclass):
     """Shows, in `help` and where names are completed, what is ours, not what pydantic needs."""
+
+    @property
+    def __doc__(cls: type[Model]) -> str:  # type: ignore[override, misc]
+        """The docstring with the keys added, and to that of a case its sections by their first lines."""
+        lines = [inspect.cleandoc(vars(cls).get("__doc__") or ""), "", "Attributes:"]
+        for name, field in cls.model_fields.items():
+            meaning = meanings(cls).get(name) or (field.annotation.__doc__ or "").partition("\n")[0]
+            lines.append(f"    {name}: {' '.join(meaning.split())}")
+        return "\n".join(lines)
 
     def __dir__(cls) -> list[str]:
         ours = [base for base in cls.__mro__ if base.__module__.startswith("warpgran.")]
@@ -149,18 +189,8 @@ class Model(BaseModel, metaclass=_Concise):
         extra="forbid",
         allow_inf_nan=False,
         hide_input_in_errors=True,
-        use_attribute_docstrings=True,
         json_schema_extra=_describe,
     )
-
-    @classmethod
-    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        """Add the keys to the docstring of the class, and to that of a case its sections by their first lines."""
-        lines = [inspect.cleandoc(cls.__doc__ or ""), "", "Attributes:"]
-        for name, field in cls.model_fields.items():
-            meaning = field.description or (field.annotation.__doc__ or "").partition("\n")[0]
-            lines.append(f"    {name}: {' '.join(meaning.split())}")
-        cls.__doc__ = "\n".join(lines)
 
     @model_validator(mode="before")
     @classmethod
@@ -199,4 +229,4 @@ class Model(BaseModel, metaclass=_Concise):
     @classmethod
     def described(cls) -> dict[str, KeyInfo]:
         """What is known of every key of this section."""
-        return {key: KeyInfo.of(cls.model_fields[name]) for name, key in cls.keys().items()}
+        return {key: KeyInfo.of(cls, name) for name, key in cls.keys().items()}
