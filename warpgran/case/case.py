@@ -29,10 +29,11 @@ from warpgran.case.changes import (
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.model import Model, declare
 from warpgran.case.notebook import case_table, case_text
+from warpgran.case.overrides import override_all
 from warpgran.case.problems import CaseError, Problem, problems_of
 from warpgran.case.sections import ALLOWED, KEYS, SECTIONS, Column, Every, Grid, Rheology, Scheme, Slope, Time
 from warpgran.case.times import output_times, sample_times, series, snapshot_times, snapshots
-from warpgran.case.toml import as_data, load, override, plain, set_key, text_of
+from warpgran.case.toml import as_data, load, plain, set_key, text_of
 from warpgran.case.validation import validated
 
 if TYPE_CHECKING:
@@ -81,14 +82,14 @@ class Case(Model):
         Args:
             path: The file, UTF-8. Paths in it start from its folder.
             overrides: `KEY=VALUE` with a dotted key and a value in TOML; other values are taken as text. They replace
-                the file's values before anything is checked.
+                the file's values before anything is checked; the file's title then names them.
 
         Raises:
             CaseError: Lists everything that is wrong, each line beginning with the file's name.
         """
         where = os.fspath(path)
         source, data = load(where)
-        problems = [problem for text in overrides if (problem := override(data, text))]
+        problems = override_all(data, overrides)
         return cls._checked(data, problems, Path(where).parent, source, where)
 
     @classmethod

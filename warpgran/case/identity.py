@@ -15,14 +15,17 @@ if TYPE_CHECKING:
     from warpgran.case.case import Case
 
 
+LEFT_OUT = ("title", "scheme.window", "time.snapshots", "time.series")
+"""Keys that decide nothing of the flow. The output times are part of an identity as times, however they are given."""
+
+
 def identity(case: Case) -> str:
     """A hash of all that the result of a case depends on: 16 hexadecimal digits, the same on every machine.
 
     It covers every value in force, the output times and the numbers of the tables, but not the title, the paths of
     files or `scheme.window`, which gives the same bits.
     """
-    left_out = ("title", "scheme.window", "time.snapshots", "time.series")
-    values = {key: value for key, value in case.flat().items() if key not in left_out}
+    values = {key: value for key, value in case.flat().items() if key not in LEFT_OUT}
     values["time.rest_speed"] = float(f"{case.rest_speed:.9g}")  # the last digits of a cosine differ between machines
     values["times"] = _times(case.time)
     values["slope.bed"] = _numbers(case.slope.bed)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from warpgran.case.case import Case
+from warpgran.case.overrides import override_all
 from warpgran.case.problems import CaseError, Problem, values_in_words
 from warpgran.case.sampled_runs import sampled_runs
 from warpgran.case.sensitivity_design import design_values
@@ -16,7 +17,7 @@ from warpgran.case.sensitivity_section import Sensitivity, read_sensitivity, tim
 from warpgran.case.study import Study
 from warpgran.case.sweep_section import flatten, read_section
 from warpgran.case.sweep_values import values_by_run
-from warpgran.case.toml import VARYING, as_data, load, override, set_key, without
+from warpgran.case.toml import VARYING, as_data, load, set_key, without
 from warpgran.case.validation import read_tables
 
 _MOST_MESSAGES = 5
@@ -48,7 +49,7 @@ def read_study(
     where = os.fspath(path)
     source, data = load(where)
     problems = flatten(data)
-    problems += [problem for text in overrides if (problem := override(data, text))]
+    problems += override_all(data, overrides)
     problems += flatten(data)  # again, for an override can set all of sweep.over
     overridden = [text.partition("=")[0].strip() for text in overrides]
     folder, section = Path(where).parent, data.get("sweep")

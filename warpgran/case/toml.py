@@ -68,6 +68,14 @@ def set_key(data: dict[str, Any], key: str, value: Any) -> Problem | None:
     return None
 
 
+def value_at(data: Mapping[str, Any], key: str) -> Any:
+    """What nested dicts hold at a dotted key, None if nothing."""
+    found: Any = data
+    for name in _path(key):
+        found = found.get(name) if isinstance(found, Mapping) else None
+    return found
+
+
 def _path(key: str) -> list[str]:
     """The nested names of a dotted key. Under `sweep.over` and the like dotted keys are single names."""
     parts = key.split(".")
