@@ -46,8 +46,8 @@ napoleon_use_ivar = True
 nitpick_ignore_regex = [
     # libraries that are described elsewhere: nothing is fetched from there when the site is made
     (r"py:.*", r"(os|xr|xarray|np|numpy|pd|pandas|matplotlib|pathlib|typing|collections)\..*|Path|Client"),
-    # what a calibration keeps for itself
-    (r"py:.*", r"warpgran\.calibration\.stages\..*"),
+    # what a calibration keeps for itself, and an animation of matplotlib's
+    (r"py:.*", r"warpgran\.calibration\.stages\..*|(warpgran\.figures\.animation\.)?Film"),
     # aliases, whose values the docstrings say, and the types by which editors complete `Case.with_`
     (r"py:.*", r"Array|RunColumns|Precision|EngineName|warpgran\.case\.changes\..*"),
 ]

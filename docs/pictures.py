@@ -6,7 +6,6 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 from matplotlib.animation import FuncAnimation
 from matplotlib.figure import Figure
 from sphinx_gallery.scrapers import figure_rst, matplotlib_scraper
@@ -31,8 +30,7 @@ def figures(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]
     made: list[str] = []
     if isinstance(movie, FuncAnimation):
         made.append(str(Path(next(block_vars["image_path_iterator"])).with_suffix(".gif")))
-        movie.save(made[-1], writer="pillow", dpi=100)
-        plt.close()
+        movie.save(made[-1], writer="pillow", dpi=80)
     if isinstance(figure, Figure):
         made.append(next(block_vars["image_path_iterator"]))
         figure.savefig(made[-1], dpi=150)

@@ -45,7 +45,7 @@ def animate(
         dpi: pixels an inch; a frame is about 8 inches wide.
 
     Returns:
-        The animation, one of matplotlib's: a notebook shows it, and `save` writes it.
+        The animation, one of matplotlib's. A notebook shows it, and `save` writes it.
 
     Raises:
         OptionError: another suffix.
