@@ -23,6 +23,8 @@ COMMANDS = (
     ("plot", "bad.h5", "-o", "a.png"),
     ("plot", "bad.h5", "--run", "3", "-o", "b.png"),
     ("animate", "bad.h5", "-o", "a.gif"),
+    ("compare", "../whole.h5", "bad.h5"),
+    ("compare", "bad.h5", "../whole.h5"),
     ("merge", "all.h5", "bad.h5"),
     ("run", "../case.toml", "-o", "bad.h5", "--resume", "--no-picture"),
 )

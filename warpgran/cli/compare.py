@@ -38,11 +38,11 @@ def compare(
     from warpgran.results.reading import open_dataset, unspoiled
 
     with open_dataset(a) as of_a, open_dataset(b) as of_b, unspoiled(a, b):
-        for file, data in ((a, of_a), (b, of_b)):
-            for line in messages(data):
-                tell(f"{file}: {line}")
         compared = compare(of_a, of_b)
         lengths = Lengths.of(of_a, of_b)
+        caveats = [f"{file}: {line}" for file, data in ((a, of_a), (b, of_b)) for line in messages(data)]
+    for line in caveats:
+        tell(line)
     say(f"a: {a}")
     say(f"b: {b}")
     for note in compared.notes:
