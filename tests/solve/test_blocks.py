@@ -23,3 +23,14 @@ def test_every_thread_has_as_many_blocks_and_they_are_alike(runs: int, threads: 
     assert max(sizes) - min(sizes) <= 1
     assert {block.capacity for block in blocks} == {max(sizes)}
     assert max(sizes) * bytes_of_run(1000, Outputs.none(), blocks[0].variant) <= CACHE
+
+
+@pytest.mark.parametrize(("levels", "times"), [(0, 1), (1, 2), (2, 4), (3, 4)])
+def test_of_blocks_that_start_on_finer_cells_the_part_that_starts_at_a_time_fits_the_cache(
+    levels: int, times: int
+) -> None:
+    case = small(**{"grid.cells": 1000, "scheme.order": 2, "scheme.start": levels})
+    study = Study.of([case] * 1000)
+    blocks = plan(study, range(1000), Outputs.of(case), "float64", on_cpu=True, threads=1, memory=1e12)
+    most = times * CACHE // bytes_of_run(blocks[0].padded - 1, Outputs.none(), blocks[0].variant)
+    assert len(blocks) == -(-1000 // most)

@@ -14,6 +14,11 @@ from warpgran.solve.variant import KEYS, variant_of
 
 CACHE = 3 * 2**19
 """Bytes of state of a block on a CPU, so that what a step visits stays in the second-level cache of a core."""
+MOST_DOUBLED = 2
+"""Levels of a start for each of which a block is twice as large, so that as many runs start at a time as fit the cache.
+
+What starts at a time is a block's 2^levels-th part, and each part is computed by calls from Python, which cost more
+than the run proper then loses for want of cache."""
 
 
 class Block(NamedTuple):
@@ -68,10 +73,15 @@ def plan(
         share = memory / max(1, min(threads, len(members)))
         most = min(_most_in(share, size, start, levels), fit, -(-len(members) // threads))
         if on_cpu:
-            most = min(most, CACHE // bytes_of_run(padded - 1, Outputs.none(), variant))
+            most = min(most, room_on_cpu(levels) // bytes_of_run(padded - 1, Outputs.none(), variant))
         parts = _evenly(members, max(1, most), threads)
         blocks += [Block(part, len(parts[0]), padded, variant) for part in parts]
     return blocks
+
+
+def room_on_cpu(levels: int) -> int:
+    """Bytes of state of a block on a CPU whose runs start on so many levels of finer cells."""
+    return CACHE << min(levels, MOST_DOUBLED)
 
 
 def _most_in(memory: float, size: int, start: int, levels: int) -> int:
