@@ -115,6 +115,7 @@ def leaning(theta: Array) -> Array:
     return -0.5 * ((theta[:, 0] - 1.1) / 0.1) ** 2 - 0.5 * ((theta[:, 1] - 0.5) / 0.05) ** 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("likelihood", "prior", "low", "high"),
     [
@@ -173,6 +174,7 @@ class Killed(Exception):
     """Stands for a kill in the middle of a batch."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("batch", [2, 9, 20])
 def test_a_killed_sampling_goes_on_to_the_same_bits(tmp_path: Path, batch: int) -> None:
     model, whole = LinearGaussian(), sample(LinearGaussian(), [NORMAL] * 3, seed=4)

@@ -91,6 +91,7 @@ def test_mistakes_break_it(mistake: str) -> None:
     assert errors(tomllib.loads(MISTAKES[mistake])) != []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tool", TOOLS)
 def test_so_say_the_tools_of_editors_and_hooks(tool: str, tmp_path: Path) -> None:
     command = shutil.which(tool, path=str(Path(sys.executable).parent))

@@ -43,6 +43,7 @@ def lines_of(result: Result) -> list[str]:
     return result.stderr.splitlines()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("snapshots", "series"), COMBINATIONS)
 def test_every_command_works_or_says_what_is_missing(study: Path, snapshots: str, series: str) -> None:
     asked = ("--set", f"time.snapshots={OUTPUTS[snapshots]}", "--set", f"time.series={OUTPUTS[series]}")

@@ -67,6 +67,7 @@ def test_a_disk_without_room_for_the_study_is_told_before_computing(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("calls", [2, 3])
 def test_a_disk_that_is_full_at_the_end_costs_no_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, calls: int

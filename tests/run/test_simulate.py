@@ -21,6 +21,7 @@ assert wp.config.log_level == wp.LOG_INFO  # as it was
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("progress", "shown"), [(False, ()), (True, ("A small heap", "t = 0.100 of 0.1 s"))])
 def test_nothing_is_printed_but_the_bar_that_was_asked_for(progress: bool, shown: tuple[str, ...]) -> None:
     done = subprocess.run([sys.executable, "-c", CODE % progress], capture_output=True, text=True, check=True)
