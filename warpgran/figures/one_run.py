@@ -136,13 +136,14 @@ def _draw_profiles(one: xr.Dataset, axes: list[Axes], lengths: Lengths) -> None:
     for ax, panel in zip(axes, (panel.of(lengths) for panel in PROFILES), strict=True):
         values = np.where(shown | panel.thin, panel.factor * one[panel.name].values, np.nan)
         for profile, time, colour in zip(values, one["time"].values, _tints(one.sizes["time"]), strict=True):
-            ax.plot(x, profile, color=colour, label=f"$t$ = {time:g} s")
+            ax.plot(x, profile, color=colour, label=f"$t$ = {time:.4g} s")
         _finish(ax, panel, one)
     hold_open(axes[1], 10.0 * number(one, "time.rest_speed"))
     axes[0].set_ylim(bottom=0.0)
     axes[-1].set_xlim(*x[[0, -1]])
     axes[-1].set_xlabel(position.label)
-    legend(axes, 4)
+    longest = max(len(f"{time:.4g}") for time in one["time"].values.tolist())
+    legend(axes, 4 if longest <= 4 else 3)  # three rows of either have room for all
     small_print(axes[-1], _caption(one, one.sizes["time"], held))
 
 
