@@ -45,7 +45,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         patch.chdir(path)
         for name, value in BATCH.items():
             patch.setenv(name, value)
-        invoke("run", "runs/dense_22deg.toml", "--no-picture")
+        for name in ("dense_22deg", "loose_22deg"):
+            invoke("run", f"runs/{name}.toml", "--no-picture")
         yield path
 
 
