@@ -176,3 +176,11 @@ def at_centres(h: np.ndarray, phi: Any, bed: Any = None, **changes: Any) -> Case
     closed = {"scheme.left": "wall", "scheme.right": "wall"}
     bed_table = {} if bed is None else {"slope.bed": {"x": x, "b": bed}}
     return Case().with_(**{**FIRST, **grid, **column, **time, **closed, **bed_table, **changes})
+
+
+def assert_same_bits(a: Sequence[Sequence[Any]], b: Sequence[Sequence[Any]]) -> None:
+    """Runs, each a sequence of arrays and numbers, are finite and the same to the bit."""
+    for one, other in zip(a, b, strict=True):
+        for x, y in zip(one, other, strict=True):
+            assert np.isfinite(x).all()
+            np.testing.assert_array_equal(x, y)

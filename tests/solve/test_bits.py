@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import at_centres, small
+from helpers.cases import assert_same_bits, at_centres, small
 
 from warpgran.case.case import Case
 from warpgran.kernels.build import SCHEMES
@@ -36,13 +36,6 @@ def recorded(solver: Solver) -> Bits:
     state = solver.state
     profiles = [[field[r, :, :n] for field in state.recorded_profiles()] for r, n in enumerate(state.cells)]
     return [(*p, s, n) for p, s, n in zip(profiles, state.recorded_scalars(), state.steps.numpy().copy(), strict=True)]
-
-
-def assert_same_bits(a: Bits, b: Bits) -> None:
-    for one, other in zip(a, b, strict=True):
-        for x, y in zip(one, other, strict=True):
-            assert np.isfinite(x).all()
-            np.testing.assert_array_equal(x, y)
 
 
 MIXED: list[dict[str, Any]] = [

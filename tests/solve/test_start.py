@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import EVERY_ENGINE, ran, small
+from helpers.cases import EVERY_ENGINE, assert_same_bits, ran, small
 from helpers.second_order import OPEN, PERIODIC, SECOND, WALLS
 
 import warpgran as wg
@@ -72,13 +72,6 @@ def kept(
     fields = [[field[r, :, : case.grid.cells] for field in done.profiles] for r, case in enumerate(cases)]
     ends = zip(fields, done.scalars, done.steps, done.end_time, done.cell_steps, strict=True)
     return [[*profiles, *rest] for profiles, *rest in ends]
-
-
-def assert_same_bits(a: list[list[Any]], b: list[list[Any]]) -> None:
-    for one, other in zip(a, b, strict=True):
-        for x, y in zip(one, other, strict=True):
-            assert np.isfinite(x).all()
-            np.testing.assert_array_equal(x, y)
 
 
 MIXED: list[dict[str, Any]] = [
