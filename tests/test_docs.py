@@ -38,23 +38,66 @@ def found(pattern: str, paths: list[Path]) -> Iterator[tuple[str, str]]:
             yield path.relative_to(ROOT).as_posix(), match
 
 
-def test_links_lead_to_files() -> None:
-    links = list(found(r"\]\((?!http)([^)#]+)[^)]*\)", DOCUMENTS))
-    assert len(links) > 20
-    assert [(file, link) for file, link in links if not (ROOT / file).parent.joinpath(link).exists()] == []
+def linked(path: Path) -> list[tuple[str, str, str]]:
+    """Words, file and anchor of each link of a document to a place in the repository."""
+    return re.findall(r"\[([^\]]*)\]\((?!https?:)([^)#\s]*)#?([^)\s]*)\)", prose(path))
 
 
-def headings(path: Path) -> set[str]:
-    """Anchors of a page's headings, as GitHub and MyST make them."""
-    titles = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
-    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+def prose(path: Path) -> str:
+    """A document without its blocks of code."""
+    return re.sub(r"^```.*?^```$|^    [^\n]*$", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
 
 
-def test_links_lead_to_headings() -> None:
-    links = [(file, *link.split("#")) for file, link in found(r"\]\((?!http)([^)#]*#[^)]+)\)", DOCUMENTS)]
-    assert len(links) > 5
-    pages = [(ROOT / file).parent / page if page else ROOT / file for file, page, _ in links]
-    assert [link for link, page in zip(links, pages, strict=True) if link[2] not in headings(page)] == []
+def anchors(path: Path) -> set[str]:
+    """Anchors of a page's headings, as GitHub and MyST make them: of equal ones all but the first are numbered."""
+    titles = re.findall(r"^#+ (.+)$", prose(path), re.MULTILINE)
+    made: list[str] = []
+    for title in titles:
+        plain = re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
+        made.append(f"{plain}-{titles[: len(made)].count(title)}" if title in titles[: len(made)] else plain)
+    return set(made)
+
+
+def unsound(document: Path) -> list[str]:
+    """Links of a document that show no words, or lead to no file or heading."""
+    found = []
+    for words, file, anchor in linked(document):
+        target = document.parent / file if file else document
+        if not (words.strip() and target.exists() and (not anchor or anchor in anchors(target))):
+            found.append(f"{document.name}: [{words}]({file}#{anchor})")
+    return found
+
+
+def test_links_lead_to_files_and_headings() -> None:
+    assert sum(len(linked(document)) for document in DOCUMENTS) > 50
+    assert [link for document in DOCUMENTS for link in unsound(document)] == []
+
+
+def test_broken_links_are_found(tmp_path: Path) -> None:
+    (tmp_path / "a.md").write_text("# A\n\n# A\n\n    # B\n\n[1](b.md#c), [2](#a-1), [3](#b), [4](c.md), [](b.md)\n")
+    (tmp_path / "b.md").write_text("# C\n```\n# D\n[5](c.md)\n```\n[6](#d)\n")
+    assert unsound(tmp_path / "a.md") == ["a.md: [3](#b)", "a.md: [4](c.md#)", "a.md: [](b.md#)"]
+    assert unsound(tmp_path / "b.md") == ["b.md: [6](#d)"]
+
+
+def test_broken_links_of_the_site_are_found(tmp_path: Path) -> None:
+    broken = runpy.run_path(str(DOCS / "broken_links.py"))["broken"]
+    links = (
+        "b.html#c",
+        "#",
+        "b.html#d",
+        "c.png",
+        "https://python.org",
+        "http://python.org",
+        "data:,",
+        "//cdn.org/x.js",
+    )
+    (tmp_path / "a.html").write_text("".join(f'<a href="{link}">' for link in links))
+    (tmp_path / "b.html").write_text('<p id="c"><img src="d%20e.png">')
+    (tmp_path / "d e.png").write_bytes(b"")
+    assert broken(tmp_path) == [
+        f"a.html: {link}" for link in ("b.html#d", "c.png", "http://python.org", "//cdn.org/x.js")
+    ]
 
 
 def test_files_that_are_named_are_there() -> None:
