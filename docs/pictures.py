@@ -34,5 +34,5 @@ def figures(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]
     if isinstance(figure, Figure):
         made.append(next(block_vars["image_path_iterator"]))
         figure.savefig(made[-1], dpi=150)
-    others = str(matplotlib_scraper(block, block_vars, gallery_conf))
+    others = str(matplotlib_scraper(block, block_vars, gallery_conf, dpi=150))
     return others + (figure_rst(made, gallery_conf["src_dir"]) if made else "")

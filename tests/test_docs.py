@@ -17,8 +17,10 @@ from helpers.rooms import arrows
 
 import warpgran as wg
 from warpgran.case.key_tables import with_tables
+from warpgran.cli.table import MARKS, rich_table
 from warpgran.paper.catalogue import CLAIMS
 from warpgran.paper.remarks import OURS
+from warpgran.schema import Status
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
@@ -116,6 +118,18 @@ def test_public_names_have_their_place_on_the_page() -> None:
     page = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
     described = re.findall(r"^\.\. auto(?:class|function|exception):: (\w+)$", page, re.MULTILINE)
     assert set(wg.__all__) - set(described) == set()
+
+
+def test_every_word_of_the_printed_table_is_a_term_of_the_site() -> None:
+    page = (DOCS / "reference" / "printed_table.md").read_text(encoding="utf-8")
+    (glossary,) = re.findall(r"^```\{glossary\}\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    terms = set(re.findall(r"^(\S.*)$", glossary, re.MULTILINE))
+    table = rich_table(wg.summary(wg.simulate(wg.Case(grid={"right": 0.2, "cells": 40}, time={"end": 0.1}))))
+    headings = {str(column.header).splitlines()[0].strip() for column in table.columns}
+    statuses = {status.word for status in Status}
+    assert len(headings) > 8 and (headings | statuses) - terms == set()
+    notes = [note for _, note in MARKS.values()]
+    assert [note for note in notes if not any(note.startswith(term) for term in terms)] == []
 
 
 def test_modules_that_are_named_are_there() -> None:

@@ -9,7 +9,9 @@ import matplotlib.pyplot as plt
 
 import warpgran as wg
 
-base = wg.Case(slope={"angle": 16.0}, grid={"right": 1.4, "cells": 800}, time={"end": 1.2})
+base = wg.Case(
+    slope={"angle": 16.0}, grid={"right": 1.4, "cells": 800}, time={"end": 1.2}
+)
 data = wg.simulate(base.sweep({"rheology.K": [0.0, 4.09, 8.0]}))
 fig, (front, volume) = plt.subplots(1, 2, figsize=(7.5, 3), layout="constrained")
 for r in range(data.sizes["run"]):

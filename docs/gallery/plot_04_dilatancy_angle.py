@@ -11,7 +11,9 @@ import matplotlib.pyplot as plt
 import warpgran as wg
 
 case = wg.Case(
-    slope={"angle": 16.0}, grid={"right": 1.2, "cells": 800}, time={"end": 1.0, "snapshots": [0.1, 0.3, 0.6]}
+    slope={"angle": 16.0},
+    grid={"right": 1.2, "cells": 800},
+    time={"end": 1.0, "snapshots": [0.1, 0.3, 0.6]},
 )
 data = wg.simulate(case)
 run = data.assign(wg.derive(data, "psi", "mu", "I")).isel(run=0)

@@ -10,7 +10,9 @@ import matplotlib.pyplot as plt
 import warpgran as wg
 
 case = wg.Case(
-    slope={"angle": 22.0}, grid={"right": 1.4, "cells": 800}, time={"end": 1.0, "snapshots": {"every": 0.01}}
+    slope={"angle": 22.0},
+    grid={"right": 1.4, "cells": 800},
+    time={"end": 1.0, "snapshots": {"every": 0.01}},
 )
 data = wg.simulate(case)
 terms = wg.forces(data).isel(run=0).sel(time=0.48, method="nearest")

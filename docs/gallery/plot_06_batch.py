@@ -7,8 +7,13 @@ What the command line draws of a sweep: results over what was swept, and the fro
 
 import warpgran as wg
 
-base = wg.Case(title="64 columns", grid={"right": 1.6, "cells": 400}, time={"end": 3.0, "snapshots": [3.0]})
-study = base.sweep(
-    {"slope.angle": {"low": 0.0, "high": 18.0}, "column.phi": {"low": 0.55, "high": 0.62}}, mode="latin", samples=64
+base = wg.Case(
+    title="64 columns",
+    grid={"right": 1.6, "cells": 400},
+    time={"end": 3.0, "snapshots": [3.0]},
 )
-figure = wg.plot(wg.simulate(study))
+over = {
+    "slope.angle": {"low": 0.0, "high": 18.0},
+    "column.phi": {"low": 0.55, "high": 0.62},
+}
+figure = wg.plot(wg.simulate(base.sweep(over, mode="latin", samples=64)))

@@ -2,7 +2,7 @@
 Where the energy goes
 =====================
 
-Friction takes it: kinetic and potential energy (2.7), per unit width and grain density, against the first.
+Friction takes it. The loss since the start of the kinetic and potential energy (2.7), per unit width and grain density.
 """
 
 import matplotlib.pyplot as plt

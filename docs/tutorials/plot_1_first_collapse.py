@@ -9,7 +9,8 @@ On the command line, in a copy of the repository, this is all of it::
     pip install .
     warpgran run runs/dense_22deg.toml
 
-which writes ``dense_22deg.h5``, a picture beside it, and prints a table. Here the same from Python.
+which writes ``dense_22deg.h5``, a picture beside it, and prints :doc:`a table </reference/printed_table>`; then
+``warpgran view dense_22deg.h5 --open`` makes :doc:`a page to click in </viewer>`. Here the same from Python.
 """
 
 import matplotlib.pyplot as plt
@@ -42,8 +43,8 @@ data = wg.simulate(case)
 figure = wg.plot(data)
 
 # %%
-# The table, a row a run: how far the front ran, how high the deposit is, by how much it dilated, when it stopped, and
-# whether these are to be read with a reserve. :func:`warpgran.summary` says what each column is.
+# The table, a row a run, in SI units: how far the front ran, how high the deposit is, by how much it dilated, when it
+# stopped, and whether these are to be read with a reserve. :func:`warpgran.summary` says what each column is.
 wg.summary(data)
 
 # %%
@@ -54,8 +55,9 @@ wg.summary(both)
 
 # %%
 # Everything of xarray works on it: the front against time, of both.
-fig, ax = plt.subplots()
-both.front.assign_coords(run=["dense, 0.62", "loose, 0.55"]).plot.line(x="series_time", ax=ax)
+fig, ax = plt.subplots(layout="constrained")
+fronts = both.front.assign_coords(run=["dense, 0.62", "loose, 0.55"])
+fronts.plot.line(x="series_time", ax=ax)
 ax.set(xlabel="time $t$ (s)", ylabel=r"front position $x_\mathrm{f}$ (m)")
 ax.get_legend().set_title("packing")
 plt.show()

@@ -27,7 +27,9 @@ import warpgran as wg
 # Coarse cells will do for that: 450 cells of 4 mm are within some percent (:doc:`how to know <plot_5_grid>`). Each
 # run ends when its mass has stopped, for which four seconds are enough.
 base = wg.Case.from_toml("../../runs/dense_22deg.toml").with_(
-    title="128 columns", grid={"cells": 450}, time={"end": 4.0, "snapshots": [], "stop_at_rest": True}
+    title="128 columns",
+    grid={"cells": 450},
+    time={"end": 4.0, "snapshots": [], "stop_at_rest": True},
 )
 over = {
     "rheology.mu1": {"low": 0.40, "high": 0.55},
@@ -45,8 +47,10 @@ figure = wg.plot(data)
 
 # %%
 # The slope decides how far the mass runs, and how steep it is decides how much friction matters:
-fig, ax = plt.subplots()
-points = ax.scatter(table["slope.angle"], table["run_out"], c=table["rheology.mu1"], cmap="viridis")
+fig, ax = plt.subplots(layout="constrained")
+points = ax.scatter(
+    table["slope.angle"], table["run_out"], c=table["rheology.mu1"], cmap="viridis"
+)
 fig.colorbar(points, label=r"friction at rest $\mu_1$ (-)")
 ax.set(xlabel=r"slope angle $\theta$ (°)", ylabel="run-out (m)")
 plt.show()
@@ -63,10 +67,10 @@ found.total_order.to_pandas().round(2)
 fig, axes = plt.subplots(1, 2, figsize=(7.5, 3), sharey=True, layout="constrained")
 for ax, output in zip(axes, found.output, strict=True):
     one = found.sel(output=output)
-    for shift, order, label in ((-0.2, "first_order", "first order"), (0.2, "total_order", "total")):
+    for shift, order in ((-0.2, "first_order"), (0.2, "total_order")):
         at = np.arange(one.sizes["parameter"]) + shift
         low, high = one[f"{order}_low"], one[f"{order}_high"]
-        ax.barh(at, one[order], 0.35, label=label)
+        ax.barh(at, one[order], 0.35, label=order.replace("_", " "))
         ax.hlines(at, low, high, color="black", linewidth=1.0)
     ax.set(xlabel="share of the variance (-)", title=str(one.output_words.item()))
 axes[0].set_yticks(range(one.sizes["parameter"]), one.parameter.values)

@@ -56,9 +56,15 @@ fig, ax = plt.subplots(figsize=(7, 3.2), layout="constrained")
 ax.fill_between(X, Z, -40.0, color="0.8")
 for at in (0, 2, 4):
     now = run.isel(time=at)
-    top = now.bed + now.h
+    top = (now.bed + now.h).where(now.h > 0.0)
     ax.plot(now.x * c + top * s, -now.x * s + top * c, label=f"t = {float(now.time):g} s")
-ax.set(xlabel="horizontal distance (m)", ylabel="elevation (m)", aspect="equal", xlim=(-10, 80), ylim=(-35, 0))
+ax.set(
+    xlabel="horizontal distance (m)",
+    ylabel="elevation (m)",
+    aspect="equal",
+    xlim=(-10, 80),
+    ylim=(-35, 0),
+)
 ax.legend()
 plt.show()
 

@@ -26,12 +26,17 @@ front.groupby("angle").head(2)
 case = wg.Case.from_toml("../../runs/calibrate_two_slopes.toml").with_(
     rheology={"phi_stat": 0.585}, grid={"cells": 230}
 )
-priors = {"rheology.mu1": {"low": 0.3, "high": 0.6}, "rheology.K": {"low": 0.0, "high": 8.0}}
+priors = {
+    "rheology.mu1": {"low": 0.3, "high": 0.6},
+    "rheology.K": {"low": 0.0, "high": 8.0},
+}
 
 # %%
 # A screening of the priors, least squares from its best points, and the posterior: what can be said of the parameters
 # after the measurements. It takes some thousand runs, each of some milliseconds. They are kept in a folder, so that an
-# interrupted calibration goes on from there.
+# interrupted calibration goes on from there. The table: 5 and 95 % of the prior; the best fit and its standard
+# deviation; mean, standard deviation and quantiles of the posterior. ``r_hat`` near 1 and a hundred ``effective`` draws
+# or more say that the sampler has converged.
 kept = tempfile.TemporaryDirectory()
 sizes = {"screening": 64, "starts": 1, "chains": 2, "particles": 24}
 found = wg.calibrate(case, priors, folder, output=kept.name, stage="posterior", **sizes)
@@ -45,7 +50,7 @@ print(*found.told(), sep="\n")
 # The draws from the posterior. Two slopes fix the friction to some percent; of K they say little more than the prior
 # did, as the lines above have it.
 draws = found.stages.posterior.samples.theta.reshape(-1, 2)
-fig, ax = plt.subplots(figsize=(5, 4), layout="constrained")
+fig, ax = plt.subplots(layout="constrained")
 ax.plot(*draws.T, ".", markersize=3, label="posterior")
 ax.plot(0.46, 4.0, "k+", markersize=14, label="made with")
 ax.set(xlabel=r"friction at rest $\mu_1$ (-)", ylabel="dilation coefficient $K$ (-)")
@@ -60,7 +65,8 @@ data = wg.simulate(best.sweep({"slope.angle": angles}))
 fig, ax = plt.subplots(figsize=(6.5, 3), layout="constrained")
 for r, angle in enumerate(angles):
     measured = front[front["angle"] == angle]
-    ax.errorbar(measured["t"], measured["x"], measured["sigma"], fmt="o", markersize=4, color=f"C{r}")
+    t, x, sigma = (measured[name] for name in ("t", "x", "sigma"))
+    ax.errorbar(t, x, sigma, fmt="o", markersize=4, color=f"C{r}")
     ax.plot(data.series_time, data.front[r], color=f"C{r}", label=f"{angle:g}°")
 ax.set(xlabel="time $t$ (s)", ylabel=r"front position $x_\mathrm{f}$ (m)")
 ax.legend(title="slope")

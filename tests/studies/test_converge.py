@@ -53,6 +53,17 @@ def test_the_table_has_a_row_a_quantity() -> None:
     assert "no limit in sight on these grids: front" in found.verdict()
 
 
+def test_the_figure_has_a_line_a_quantity(found: Convergence, tmp_path: Path) -> None:
+    figure = found.plot(tmp_path / "errors.png")
+    lines = [line for line in figure.axes[0].lines if not str(line.get_label()).startswith("_")]
+    names = [str(line.get_label()).splitlines()[0].strip() for line in lines]
+    assert names == [quantity.name for quantity in found.quantities]
+    assert all(line.get_xdata() == pytest.approx(found.cells) for line in lines)
+    assert (tmp_path / "errors.png").stat().st_size > 10_000
+    with pytest.raises(wg.OptionError, match="must end in"):
+        found.plot(tmp_path / "errors.doc")
+
+
 def test_a_stop_time_is_compared_where_every_run_stops() -> None:
     times = {"time.end": 1.0, "time.snapshots": [1.0], "time.series": {"every": 0.01}}
     case = small(**{**CHANGES, **times, "slope.angle": 0.0})

@@ -56,7 +56,8 @@ def converge(
         say(study.base.title)
     stdout(WIDTH).print(_table(found))
     say(found.verdict())
-    written = [str(found.draw(path))]
+    found.plot(path)
+    written = [str(path)]
     if csv:
         with replacing(csv, ours=heading) as part:
             found.table().to_csv(part, index_label="quantity", lineterminator="\n")

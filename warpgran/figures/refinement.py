@@ -9,7 +9,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from warpgran.analysis.refinement import Refined
-from warpgran.figures.style import COLOURS, STYLE, THIN, WIDTH
+from warpgran.figures.style import COLOURS, STYLE, THIN, WIDTH, Sheet
 
 MARKS = "sDo^v<>"
 
@@ -23,7 +23,7 @@ def draw_refinement(quantities: Sequence[Refined], cells: int, wanted: float) ->
         wanted: An error, marked by a line.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
+        figure = Sheet(figsize=(WIDTH, 3.2), layout="constrained")
         ax = figure.subplots()
         for n, quantity in enumerate(quantities):
             colour, mark = COLOURS[n % len(COLOURS)], MARKS[n % len(MARKS)]

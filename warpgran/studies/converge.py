@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,9 @@ from warpgran.errors import OptionError, ResultError
 from warpgran.run.options import Options
 from warpgran.run.simulate import simulate_quietly
 from warpgran.schema import CLEAN
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 WANTED = 0.01
 """The error that is spoken of: one percent."""
@@ -79,13 +83,20 @@ class Convergence:
             words.append(f"no limit in sight on these grids: {', '.join(unknown)}")
         return "; ".join(words)
 
-    def draw(self, path: Path) -> Path:
-        """Draw the error of each quantity over the cells: .png, .pdf or .svg."""
-        from warpgran.figures.refinement import draw_refinement
-        from warpgran.figures.style import save
+    def plot(self, path: str | Path | None = None) -> Figure:
+        """Draw the error of each quantity over the cells, as `warpgran.plot` draws results.
 
-        save(draw_refinement(self.quantities, self.case.grid.cells, WANTED), path)
-        return path
+        Args:
+            path: A picture to write, too: .png, .pdf or .svg.
+        """
+        from warpgran.figures.refinement import draw_refinement
+        from warpgran.figures.style import PLOT_SUFFIXES, checked, save
+
+        path = None if path is None else checked(path, PLOT_SUFFIXES)
+        figure = draw_refinement(self.quantities, self.case.grid.cells, WANTED)
+        if path is not None:
+            save(figure, path)
+        return figure
 
 
 def converge(case: Case, *, levels: int = 3, options: Options | None = None) -> Convergence:
