@@ -118,10 +118,19 @@ class Comparison:
     grids: tuple[Computed, ...]
     span: Callable[[float], tuple[float, float]]
 
-    def error(self, name: str, at: int, grid: Computed) -> float:
-        """Distance in L1 of "h", "h v" or "phi" from the exact cell averages, relative to the norm of those."""
+    def error(self, name: str, at: int, grid: Computed, apart: tuple[float, float] | None = None) -> float:
+        """Distance in L1 of "h", "h v" or "phi" from the exact cell averages, relative to the norm of those.
+
+        Args:
+            name: "h", "h v" or "phi".
+            at: Which time.
+            grid: Which result.
+            apart: A place, m, and the distance from it, m, within which cells do not count.
+        """
         low, high = self.span(self.times[at])
         inside = (grid.x > low) & (grid.x < high)
+        if apart:
+            inside &= np.abs(grid.x - apart[0]) > apart[1]
         offset = grid.dx * ((np.arange(POINTS) + 0.5) / POINTS - 0.5)
         fields = self.exact((grid.x[inside, None] + offset).ravel(), self.times[at])
         quantity = QUANTITIES[name]
@@ -129,7 +138,15 @@ class Comparison:
         found = quantity(grid.h[at, inside], grid.v[at, inside], grid.phi[at, inside])
         return float(np.abs(found - exact).sum() / np.abs(exact).sum())
 
-    def row(self, name: str, at: int, least_order: float, most: float, where: str = "") -> Row:
+    def row(
+        self,
+        name: str,
+        at: int,
+        least_order: float,
+        most: float,
+        where: str = "",
+        apart: tuple[float, float] | None = None,
+    ) -> Row:
         """The errors of a quantity on all grids, which must fall.
 
         Args:
@@ -138,8 +155,9 @@ class Comparison:
             least_order: Over the three finest grids.
             most: Error of the finest.
             where: Words on what is compared.
+            apart: As of `error`.
         """
-        errors = tuple((grid.x.size, self.error(name, at, grid)) for grid in self.grids)
+        errors = tuple((grid.x.size, self.error(name, at, grid, apart)) for grid in self.grids)
         compared = f"{name} at t = {self.times[at]:.3g} s{where}, L1"
         return falling(compared, "-", errors, least_order, most)
 

@@ -14,18 +14,18 @@ from warpgran.verification.exact import Uniform
 from warpgran.verification.grids import Fields, G, centres, compare, computed, coulomb, starting_from
 from warpgran.verification.plots import against_exact
 
-BORE = "fan, contact, bore"
 PROBLEMS = {
-    BORE: (Uniform(0.1, 0.0, 0.6), Uniform(0.04, 0.0, 0.45)),
+    "fan, contact, bore": (Uniform(0.1, 0.0, 0.6), Uniform(0.04, 0.0, 0.45)),
     "collision": (Uniform(0.05, 0.9, 0.6), Uniform(0.06, -0.2, 0.5)),
     "supercritical": (Uniform(0.05, 1.2, 0.5), Uniform(0.08, 0.9, 0.62)),
+    "the collision in motion": (Uniform(0.05, 0.5, 0.6), Uniform(0.06, -0.6, 0.5)),
 }
-
+"""States on the left and on the right. The last is the collision seen from a frame that moves at 0.4 m/s."""
 
 LEAST = {1: (0.5, 0.45), 2: (0.9, 0.6)}
 """Order of accuracy asked of h and h v, and of phi, by the order of the scheme."""
-SLOW = 0.55
-"""Asked of h and h v under order 2 where a shock is slow on the grid."""
+SLOW, SLOW_LEAST = ("collision", "supercritical"), 0.55
+"""Problems in which a shock is slow on the grid, and what is asked of h and h v there under order 2."""
 COARSEST = 100
 """Cells of the first grid. The comparison is at a time when the contact stands at the edge of a cell of all grids."""
 
@@ -56,8 +56,8 @@ def riemann(options: CheckOptions) -> CheckResult:
     for number, (words, (left, right)) in enumerate(PROBLEMS.items(), 1):
         v, _ = exact.contact(left, right, G)
         least, least_phi = LEAST[options.order]
-        if words != BORE:
-            least = min(least, SLOW)
+        if words in SLOW:
+            least = min(least, SLOW_LEAST)
         dx = 2.0 / COARSEST
         t = dx * round(0.3 * v / dx) / v
         found = compare(
@@ -90,11 +90,12 @@ def riemann(options: CheckOptions) -> CheckResult:
         which a first-order scheme spreads over a width that goes as sqrt(dx): 1/2 is what can be expected in L1, not
         more. It is compared when the contact stands at the edge of a cell of every grid, since where it stands within
         one moves the figure by some 0.1; asked is 0.45. A second-order scheme spreads it over dx^(2/3), and has order
-        2/3: asked of order 2 is 0.6. Asked of h and h v under order 2 is 0.9 in the problem with a fan. In the two
-        others a shock crosses the grid at 0.2 and 0.3 m/s, a third of the speed of sound and less, and sheds ripples
-        that a second-order scheme hardly damps, as is known of slow shocks; these, all over what lies between the
-        shocks, and the jump of h at the contact converge
-        with order 0.4 to 0.6 and make up the error; asked is 0.55.
+        2/3: asked of order 2 is 0.6. Asked of h and h v under order 2 is 0.9, but where a shock is slow on the grid. In
+        the collision and the supercritical problem one crosses it at 0.3 and 0.2 m/s, a third of the speed of sound and
+        less, and sheds ripples that a second-order scheme hardly damps, as is known of slow shocks; these, all over
+        what lies between the shocks, and the jump of h at the contact converge with order 0.4 to 0.6 and make up the
+        error; asked is 0.55. That the speed on the grid is what matters is seen in the last problem, the same collision
+        in a frame where that shock moves at 0.7 m/s; asked is 0.9.
 
         A contact at rest whose sides have the same pressure is kept to rounding without friction, and by order 2 to
         the last bit with friction. With friction order 1 is not that exact: the apparent topography is made for two
