@@ -99,17 +99,19 @@ def test_imports_stay_light(statement: str, absent: list[str]) -> None:
     assert found == []
 
 
-def test_a_run_without_a_picture_does_without_what_draws(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("switch", "drawn_by"), [("--no-picture", "matplotlib PIL"), ("--picture", "")])
+def test_a_single_run_does_without_what_reads_and_draws_batches(tmp_path: Path, switch: str, drawn_by: str) -> None:
     (tmp_path / "short.toml").write_text("grid = { right = 0.3, cells = 100 }\ntime.end = 0.01\n")
     code = (
         "import sys; from warpgran.cli.app import app\n"
-        "try: app(['run', 'short.toml', '--no-picture'])\n"
+        f"try: app(['run', 'short.toml', '{switch}'])\n"
         "except SystemExit as ended: assert not ended.code\n"
-        "heavy = ('xarray', 'pandas', 'dask', 'scipy', 'matplotlib', 'PIL', 'distributed')\n"
+        f"heavy = 'xarray pandas dask scipy distributed jinja2 matplotlib.pyplot {drawn_by}'.split()\n"
         "print('imported:', *(name for name in heavy if name in sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "imported:"
+    assert (tmp_path / "short.png").exists() == (switch == "--picture")
 
 
 def test_kernels_is_no_top_level_package() -> None:

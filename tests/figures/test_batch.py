@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import warpgran as wg
+from warpgran.analysis.run_columns import RunColumns
 from warpgran.analysis.summary import summary
 from warpgran.case.case import Case
 from warpgran.case.sections import KEYS
@@ -28,7 +29,7 @@ ANGLES, PACKINGS = np.repeat([0.0, 10.0, 22.0], 2), np.tile([0.55, 0.62], 3)
 
 def page(data: xr.Dataset) -> Figure:
     """The page before it is written."""
-    return batch_figures.draw_batch(data)
+    return batch_figures.draw_batch(RunColumns.of(data))
 
 
 def grid(**options: Any) -> xr.Dataset:

@@ -8,6 +8,7 @@ import xarray as xr
 from helpers.collapses import collapse, two_runs, with_values
 from matplotlib.figure import Figure
 
+from warpgran.analysis.run_columns import RunColumns
 from warpgran.figures import one_run as figures
 from warpgran.figures.selection import one_run
 from warpgran.schema import SERIES
@@ -15,7 +16,7 @@ from warpgran.schema import SERIES
 
 def page(data: xr.Dataset, run: int = 0) -> Figure:
     """The page before it is written."""
-    return figures.draw_run(data, run)
+    return figures.draw_run(RunColumns.of(data), run)
 
 
 def heading(figure: Figure) -> str:
@@ -120,7 +121,7 @@ def test_grids_that_differ_are_drawn_without_their_padding() -> None:
     x[1, 100:] = bed[1, 100:] = np.nan
     data = data.drop_vars(("x", "bed")).rename_dims(x="cell")
     data = data.assign_coords(x=(("run", "cell"), x), cell=np.arange(x.shape[1])).assign(bed=(("run", "cell"), bed))
-    assert one_run(data, 1).sizes["x"] == 100
+    assert one_run(data, 1).x.size == 100
     assert len(page(data, 1).axes) == 8
 
 

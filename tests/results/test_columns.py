@@ -13,7 +13,7 @@ from warpgran.analysis.caveats import messages
 from warpgran.analysis.run_columns import RunColumns
 from warpgran.analysis.summary import summary_columns
 from warpgran.case.study import Study
-from warpgran.results.columns import read_columns
+from warpgran.results.columns import opened_columns
 from warpgran.results.reading import open_dataset
 from warpgran.run.options import Options
 from warpgran.run.to_file import run_to_file
@@ -37,19 +37,22 @@ def written(path: Path, keys: dict[str, Any], times: dict[str, Any] = SERIES) ->
 @pytest.mark.parametrize("keys", SWEEPS.values(), ids=SWEEPS)
 def test_columns_of_a_file_are_those_of_its_dataset(tmp_path: Path, keys: dict[str, Any]) -> None:
     path = written(tmp_path / "a.h5", keys)
-    read, expected = read_columns(path), RunColumns.of(open_dataset(path))
-    for name in ("run", "status", "time", "series_time", "rest_speed", "left"):
-        np.testing.assert_array_equal(getattr(read, name), getattr(expected, name), err_msg=name)
-    for name in ("swept", "values", "series"):
-        ours, theirs = getattr(read, name), getattr(expected, name)
-        assert set(ours) == set(theirs), name
-        for each, values in ours.items():
-            np.testing.assert_array_equal(values, np.asarray(theirs[each]), err_msg=each)
-    assert read.run.size == (2 if keys else 1)
-    assert messages(read) == messages(expected)
+    expected = RunColumns.of(open_dataset(path))
+    with opened_columns(path) as read:
+        for name in ("run", "status", "time", "series_time", "x", "bed"):
+            np.testing.assert_array_equal(getattr(read, name), getattr(expected, name), err_msg=name)
+        for name in ("swept", "values", "series", "fields"):
+            ours, theirs = getattr(read, name), getattr(expected, name)
+            assert set(ours) == set(theirs), name
+            for each, values in ours.items():
+                np.testing.assert_array_equal(values, np.asarray(theirs[each]), err_msg=each)
+        for key in ("time.rest_speed", "scheme.left", "slope.angle"):
+            np.testing.assert_array_equal(read.parameter(key), expected.parameter(key), err_msg=key)
+        assert read.run.size == (2 if keys else 1)
+        assert (read.source, messages(read)) == (expected.source, messages(expected))
 
 
 def test_columns_of_a_file_without_samples_give_a_table(tmp_path: Path) -> None:
-    read = read_columns(written(tmp_path / "a.h5", {}, {"series": []}))
-    assert messages(read) == []
-    assert np.isnan(summary_columns(read)["run_out"]).all()
+    with opened_columns(written(tmp_path / "a.h5", {}, {"series": []})) as read:
+        assert messages(read) == []
+        assert np.isnan(summary_columns(read)["run_out"]).all()

@@ -41,11 +41,11 @@ def caveats(data: xr.Dataset | RunColumns) -> dict[str, Array]:
     """
     data = RunColumns.of(data)
     # A NaN, of what was not computed or is not known, is neither above nor below anything.
-    fast = _final(data, "v_flow") >= data.rest_speed
+    fast = _final(data, "v_flow") >= data.parameter("time.rest_speed", np.nan)
     ended = (data.status == "ok") & np.isnan(data.values["stop_time"])
     return {
         "left_grid": _final(data, "outflow") > LOST,
-        "moving": ended & fast & (data.left != "periodic"),
+        "moving": ended & fast & (data.parameter("scheme.left", "") != "periodic"),
     }
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 
 from warpgran.arrays import Array
 
@@ -14,6 +13,8 @@ def rank_correlation(a: Array, b: Array) -> float:
     Returns:
         A number in [-1, 1]; 0 where one of them does not vary.
     """
+    import pandas as pd
+
     both = pd.DataFrame({"a": a, "b": b}, dtype=float).replace([np.inf, -np.inf], np.nan)
     found = float(both.corr("spearman").loc["a", "b"])
     return 0.0 if np.isnan(found) else found

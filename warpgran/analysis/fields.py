@@ -1,7 +1,4 @@
-"""Fields that follow from h, v and phi: step 2 of the scheme, for any result, over all its runs at once.
-
-The laws are those of physics.laws; here every run gets its own parameters. SI units, psi in degrees.
-"""
+"""Fields of a Dataset that follow from h, v and phi, over all its runs at once, each with its own parameters."""
 
 from __future__ import annotations
 
@@ -11,9 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from warpgran.analysis.run_columns import value_in
-from warpgran.errors import OptionError, ResultError
-from warpgran.physics import laws
+from warpgran.analysis.derived import FIELDS, Profiles
+from warpgran.analysis.run_columns import parameter_values
+from warpgran.errors import OptionError
 
 
 def parameter(data: xr.Dataset, key: str, default: Any = None) -> xr.DataArray:
@@ -35,31 +32,16 @@ def parameter(data: xr.Dataset, key: str, default: Any = None) -> xr.DataArray:
         ResultError: a run has no such parameter, and no default is given.
     """
     swept = data[key] if key in data.variables else None
-    if swept is not None and swept.notnull().all():
-        return swept
-    values = _from_texts(data, key)
-    values = values if default is None else values.fillna(default)
-    values = values if swept is None else swept.fillna(values)
-    if default is None and values.isnull().any():
-        raise ResultError(
-            f"the result does not say what {key} was: neither its case_toml nor a coordinate of that name"
-        )
-    return values.copy(data=np.array(values.values.tolist()))
+    texts = data.coords.get("case_toml", xr.DataArray(data.attrs.get("case_toml", "")))
+    values = parameter_values(texts.values, None if swept is None else swept.values, key, default)
+    if swept is not None:
+        return swept.copy(data=values)
+    return xr.DataArray(values, dims=texts.dims if values.shape == texts.shape else None)
 
 
 def number(one: xr.Dataset, key: str) -> float:
     """A parameter that is a number, of one run."""
     return float(parameter(one, key).item())
-
-
-def _from_texts(data: xr.Dataset, key: str) -> xr.DataArray:
-    """What the texts of the runs say of a key, None where nothing; over `run` only if they differ."""
-    texts = data.coords.get("case_toml", xr.DataArray(data.attrs.get("case_toml", "")))
-    found = {text: value_in(text, key) for text in dict.fromkeys(texts.values.ravel().tolist())}
-    first, *others = found.values()
-    if all(value == first for value in others):
-        return xr.DataArray(np.array(first, dtype=object))
-    return xr.DataArray([found[text] for text in texts.values.tolist()], dims=texts.dims).astype(object)
 
 
 def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
@@ -82,9 +64,14 @@ def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
     fields = {}
     for name in names or FIELDS:
         compute, units, long_name = FIELDS[name]
-        fields[name] = compute(data).transpose(*data["h"].dims)
+        fields[name] = field(data, compute)
         fields[name].attrs = {"units": units, "long_name": long_name}
     return xr.Dataset(fields)
+
+
+def field(data: xr.Dataset, compute: Callable[[Profiles], Any]) -> xr.DataArray:
+    """What is computed from h, v and phi, with the dimensions of h."""
+    return xr.DataArray(compute(_OfDataset(data)), data["h"].coords, data["h"].dims)
 
 
 def normal_gravity(data: xr.Dataset) -> xr.DataArray:
@@ -93,61 +80,24 @@ def normal_gravity(data: xr.Dataset) -> xr.DataArray:
     return g
 
 
-def _effective_thickness(data: xr.Dataset) -> xr.DataArray:
-    """h_e = max(h, h_min) [m]: the shear rate has no meaning below one grain."""
-    return data["h"].clip(min=parameter(data, "scheme.h_min"))
+class _OfDataset:
+    """The profiles of a Dataset: arrays with the dimensions of h, also where they are computed in pieces by dask."""
 
+    def __init__(self, data: xr.Dataset) -> None:
+        self._data, self._dims = data, data["h"].dims
 
-def _shear_rate(data: xr.Dataset) -> xr.DataArray:
-    """Shear rate gamma [1/s] (2.15)."""
-    gamma: xr.DataArray = laws.shear_rate(data["v"], _effective_thickness(data))
-    return gamma
+    @property
+    def h(self) -> Any:
+        return self._data["h"].data
 
+    @property
+    def v(self) -> Any:
+        return self._data["v"].transpose(*self._dims).data
 
-def _inertial_number(data: xr.Dataset) -> xr.DataArray:
-    """Inertial number I [-] (2.10), (2.11); NaN where phi is not positive."""
-    phi, d = data["phi"].where(data["phi"] > 0), parameter(data, "rheology.grain_diameter")
-    I: xr.DataArray = laws.inertial_number(_shear_rate(data), phi, _effective_thickness(data), d, normal_gravity(data))
-    return I
+    @property
+    def phi(self) -> Any:
+        return self._data["phi"].transpose(*self._dims).data
 
-
-def _equilibrium_volume_fraction(data: xr.Dataset) -> xr.DataArray:
-    """Equilibrium volume fraction phi_eq [-] (2.9), by the law of each run."""
-    law = parameter(data, "rheology.phi_eq")
-    keys = ("rheology.K_tilde", "rheology.phi_stat", "rheology.phi_eq_N")
-    K_tilde, phi_stat, N = (parameter(data, key) for key in keys)
-    I = _inertial_number(data)
-    phi_eq = xr.full_like(I, np.nan)
-    for name in np.unique(law).tolist():
-        if name not in laws.PHI_EQ:
-            raise ResultError(f"rheology.phi_eq: the law {name!r} is not known; known: {', '.join(laws.PHI_EQ)}")
-        phi_eq = laws.PHI_EQ[name](I, K_tilde, phi_stat, N).where(law == name, phi_eq)
-    return phi_eq
-
-
-def _tan_psi(data: xr.Dataset) -> xr.DataArray:
-    """Tangent of the dilatancy angle [-] (2.8)."""
-    return parameter(data, "rheology.K") * (data["phi"] - _equilibrium_volume_fraction(data))
-
-
-def _dilatancy_angle(data: xr.Dataset) -> xr.DataArray:
-    """Dilatancy angle psi [degrees] (2.8)."""
-    psi: xr.DataArray = xr.apply_ufunc(np.arctan, _tan_psi(data))
-    return psi * (180.0 / np.pi)
-
-
-def _effective_friction(data: xr.Dataset) -> xr.DataArray:
-    """Effective friction mu [-] (2.13), (2.14) with the side walls (4.1)."""
-    mu1, mu2, I0 = (parameter(data, f"rheology.{name}") for name in ("mu1", "mu2", "I0"))
-    wall = parameter(data, "rheology.mu_wall") * data["h"] / parameter(data, "rheology.channel_width")
-    mu: xr.DataArray = laws.effective_friction(laws.mu_of_I(_inertial_number(data), mu1, mu2, I0), _tan_psi(data), wall)
-    return mu
-
-
-FIELDS: dict[str, tuple[Callable[[xr.Dataset], xr.DataArray], str, str]] = {
-    "gamma": (_shear_rate, "s-1", "shear rate (2.15)"),
-    "I": (_inertial_number, "1", "inertial number (2.10), (2.11)"),
-    "phi_eq": (_equilibrium_volume_fraction, "1", "equilibrium volume fraction (2.9)"),
-    "psi": (_dilatancy_angle, "degree", "dilatancy angle (2.8)"),
-    "mu": (_effective_friction, "1", "effective friction (2.13), (2.14), (4.1)"),
-}
+    def parameter(self, key: str) -> Any:
+        values = parameter(self._data, key)
+        return values.values.reshape([values.sizes.get(dim, 1) for dim in self._dims])

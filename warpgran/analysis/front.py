@@ -5,20 +5,19 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from warpgran.analysis.fields import parameter
+from warpgran.analysis import derived
+from warpgran.analysis.fields import field
 from warpgran.arrays import Array
 
 
 def thick(data: xr.Dataset) -> xr.DataArray:
     """Where there is more than h_front: what counts as the mass, and what velocity and phi are shown of."""
-    found: xr.DataArray = compacted(data) > parameter(data, "scheme.h_front")
-    return found
+    return field(data, derived.thick)
 
 
 def compacted(data: xr.Dataset) -> xr.DataArray:
     """Compacted thickness phi h/phi_stat [m]: what the solid of a cell would be thick at phi_stat."""
-    h_c: xr.DataArray = data["phi"] * data["h"] / parameter(data, "rheology.phi_stat")
-    return h_c
+    return field(data, derived.compacted)
 
 
 def front(x: Array, h: Array, level: float) -> float:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from warpgran.analysis.run_columns import RunColumns
 from warpgran.arrays import Array
 
 if TYPE_CHECKING:
@@ -45,9 +46,10 @@ class Lengths(NamedTuple):
     thick: float
 
     @classmethod
-    def of(cls, *results: xr.Dataset) -> Lengths:
+    def of(cls, *results: xr.Dataset | RunColumns) -> Lengths:
         """Typical lengths of results: of each run the largest that it reaches, and of the runs the median."""
-        return cls(*(typical(np.concatenate([reached(data) for data in results])) for reached in (_fronts, _heights)))
+        every = [RunColumns.of(data) for data in results]
+        return cls(*(typical(np.concatenate([reached(data) for data in every])) for reached in (_fronts, _heights)))
 
 
 def unit_of(length: float) -> LengthUnit:
@@ -63,24 +65,20 @@ def typical(lengths: Array) -> float:
     return float(np.median(finite)) if finite.size else 0.0
 
 
-def _fronts(data: xr.Dataset) -> Array:
+def _fronts(data: RunColumns) -> Array:
     """The farthest front of each run [m]; without series the farthest end of the grids."""
-    fronts = _largest(data["front"])
-    return fronts if np.isfinite(fronts).any() else np.ravel(np.nanmax(np.abs(data["x"].values)))
+    fronts = _largest(data.series["front"])
+    return fronts if np.isfinite(fronts).any() else np.ravel(np.nanmax(np.abs(data.x)))
 
 
-def _heights(data: xr.Dataset) -> Array:
+def _heights(data: RunColumns) -> Array:
     """The greatest thickness of each run [m]; without series that of the first run's snapshots."""
-    heights = _largest(data["h_max"])
-    if np.isfinite(heights).any() or not data.sizes["time"]:
-        return heights
-    return np.ravel(_largest(data["h"].isel(run=[0])))
+    heights = _largest(data.series["h_max"])
+    return heights if np.isfinite(heights).any() else _largest(data.fields["h"][:1])
 
 
-def _largest(values: xr.DataArray) -> Array:
+def _largest(values: Any) -> Array:
     """The largest finite amount of each run, NaN where there is none."""
-    if not values.size:
-        return np.full(values.sizes["run"], np.nan)
-    amounts = np.abs(values.transpose("run", ...).values)
+    amounts = np.abs(np.asarray(values))
     amounts = np.where(np.isfinite(amounts), amounts, np.nan)
     return np.fmax.reduce(amounts.reshape(len(amounts), -1), axis=1, initial=np.nan)

@@ -15,7 +15,7 @@ from warpgran.cli.terminal import say, tell
 from warpgran.errors import WarpgranError
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from warpgran.analysis.run_columns import RunColumns
 
 
 def plot(
@@ -58,7 +58,7 @@ def animate(
     say(f"wrote {made}")
 
 
-def picture_beside(path: Path, data: xr.Dataset) -> list[str]:
+def picture_beside(path: Path, data: RunColumns) -> list[str]:
     """The picture of a result that is safe in its file: written beside it, or why not on standard error.
 
     Returns:

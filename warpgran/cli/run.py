@@ -45,8 +45,7 @@ def run(
     view: Annotated[bool, typer.Option("--view", help="Write a page to look at the result in a browser.")] = False,
 ) -> None:
     """Compute a run file: an HDF5 file, a picture and a short table."""
-    from warpgran.analysis.run_columns import RunColumns
-    from warpgran.results.columns import read_columns
+    from warpgran.results.columns import opened_columns
     from warpgran.run.options import Options
 
     how = Options(device=device, precision=precision, engine=engine, threads=threads, memory=bytes_of(memory))
@@ -57,15 +56,9 @@ def run(
         pictures=suffixes,
     )  # fmt: skip
     written = [str(path)]
-    if picture or view or len(study) > 1:
-        from warpgran.results.reading import open_dataset
-
-        data = open_dataset(path)
-        written += picture_beside(path, data) if picture else []
-        written += page_beside(path, data) if view else []
-        columns = RunColumns.of(data)
-    else:  # without xarray, whose import takes longer than the run
-        columns = read_columns(path)
-    report(study, columns, outcome)
+    with opened_columns(path) as columns:
+        written += picture_beside(path, columns) if picture else []
+        written += page_beside(path) if view else []
+        report(study, columns, outcome)
     say(f"wrote {' and '.join(written)}")
     raise typer.Exit(130 if outcome.interrupted else exit_status(columns.status))

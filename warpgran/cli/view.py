@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,9 +13,6 @@ from warpgran.cli.pictures import beside
 from warpgran.cli.report import print_caveats
 from warpgran.cli.terminal import say
 from warpgran.errors import OptionError
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def view(
@@ -48,13 +45,15 @@ def view(
         webbrowser.open(made.resolve().as_uri())
 
 
-def page_beside(path: Path, data: xr.Dataset) -> list[str]:
+def page_beside(path: Path) -> list[str]:
     """The page of a result that is safe in its file: written beside it, or why not on standard error.
 
     Returns:
         The path of the page, or nothing.
     """
+    from warpgran.results.reading import opened
     from warpgran.viewer.page import view
 
     made = path.with_suffix(".html")
-    return beside("page", made, lambda: view({path.name: data}, made))
+    with opened(path) as data:
+        return beside("page", made, lambda: view({path.name: data}, made))

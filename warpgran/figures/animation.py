@@ -10,12 +10,11 @@ import xarray as xr
 from matplotlib import rc_context
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimation, PillowWriter
 
-from warpgran.analysis.fields import number
 from warpgran.analysis.units import Lengths
 from warpgran.errors import ResultError
 from warpgran.figures.player import player
 from warpgran.figures.scene import Scene
-from warpgran.figures.selection import computed_snapshots, one_run
+from warpgran.figures.selection import OneRun, computed_snapshots, one_run
 from warpgran.figures.style import STYLE, checked
 from warpgran.files import MARK, replacing
 
@@ -48,13 +47,13 @@ def animate(
     """
     path = None if path is None else checked(path, ANIMATION_SUFFIXES)
     one = computed_snapshots(one_run(data, run))
-    held = one.sizes["time"]
+    held = one.time.size
     if held < 2:
         raise ResultError(f"an animation needs two snapshots or more, run {run} has {held}: {_more_snapshots(one)}")
     fps = fps or int(np.clip(round(held / SECONDS), 1, MOST_FPS))
     writer = None if path is None else _movie_writer(path.suffix.lower(), fps)
     with rc_context(STYLE):
-        scene = Scene(one, dpi, Lengths.of(data.isel(run=[run])))
+        scene = Scene(one, dpi, Lengths.of(one.columns))
         film = Film(scene, held, fps, _more_snapshots(one) if held < FEW else "")
     if path is not None and writer is not None:
         with replacing(path, ours=MARK) as part:
@@ -62,9 +61,9 @@ def animate(
     return film
 
 
-def _more_snapshots(one: xr.Dataset) -> str:
+def _more_snapshots(one: OneRun) -> str:
     """How to get as many as make a smooth animation."""
-    every = float(f"{number(one, 'time.end') / SMOOTH:.2g}")
+    every = float(f"{one.parameter('time.end') / SMOOTH:.2g}")
     return f"run it again with --set 'time.snapshots={{every={every:g}}}' for about {SMOOTH}"
 
 

@@ -9,18 +9,17 @@ still to be computed are left out. Open marks are runs whose result is not what 
 from __future__ import annotations
 
 import textwrap
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.gridspec import GridSpec
 
-from warpgran.analysis.run_columns import WAITING
-from warpgran.analysis.summary import summary
+from warpgran.analysis.run_columns import WAITING, RunColumns
+from warpgran.analysis.summary import summary_columns
 from warpgran.analysis.units import Lengths
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
@@ -61,7 +60,7 @@ class Batch:
         correlation: rank correlation of each key with the run-out, by name.
     """
 
-    frame: pd.DataFrame
+    frame: dict[str, Array]
     front: Array
     time: Array
     done: np.ndarray
@@ -74,7 +73,7 @@ class Batch:
     correlation: dict[str, float]
 
 
-def draw_batch(data: xr.Dataset) -> Sheet:
+def draw_batch(data: RunColumns) -> Sheet:
     """The page of a batch, just as high as its parts ask: heading, panels, fronts and map, small print.
 
     Raises:
@@ -120,31 +119,30 @@ def draw_batch(data: xr.Dataset) -> Sheet:
     return figure
 
 
-def _batch(data: xr.Dataset) -> Batch:
+def _batch(data: RunColumns) -> Batch:
     """Choose and compute the data of the page."""
-    frame = summary(data)
-    done, waiting = (frame["status"].isin(words).to_numpy() for words in (CLEAN, WAITING))
+    frame = summary_columns(data)
+    done, waiting = (np.isin(data.status, words) for words in (CLEAN, WAITING))
     if waiting.all():
         raise ResultError("there is nothing to draw: none of the runs is computed yet")
     if not np.isfinite(frame["front"]).any():
-        empty = "`time.series` is empty" if not data["front"].size else "no run has a front"
-        alone = "; a run alone has snapshots: --run 0" if data["h"].size else ""
+        empty = "`time.series` is empty" if not data.series["front"].size else "no run has a front"
+        alone = "; a run alone has snapshots: --run 0" if data.fields["h"].size else ""
         raise ResultError(f"there is nothing to draw of all runs together, since {empty}{alone}")
-    frame.loc[~done, [panel.name for panel in QUANTITIES]] = np.nan
+    frame |= {panel.name: np.where(done, frame[panel.name], np.nan) for panel in QUANTITIES}
     lengths = Lengths.of(data)
     keys = varied_keys(data)
-    correlation = {key.name: key.correlation(frame["run_out"].to_numpy()) for key in keys}
+    correlation = {key.name: key.correlation(frame["run_out"]) for key in keys}
     ranked = sorted(keys, key=lambda key: -abs(correlation[key.name]))
     drawn = keys if len(keys) <= MAX_KEYS else ranked[:MAX_KEYS]
     drawn = drawn if any(key.numeric for key in drawn) else []
-    front = data["front"].transpose("run", "series_time").values
     return Batch(
         frame=frame,
-        front=front,
-        time=data["series_time"].values,
+        front=np.asarray(data.series["front"]),
+        time=data.series_time,
         done=done,
         failed=~done & ~waiting,
-        caveats={name: done & frame[name].to_numpy() for name in OPEN},
+        caveats={name: done & frame[name] for name in OPEN},
         panels=tuple(panel.of(lengths) for panel in QUANTITIES),
         along=Panel("front", FRONT, "along", span=0.02).of(lengths),
         keys=keys,
@@ -153,7 +151,7 @@ def _batch(data: xr.Dataset) -> Batch:
     )
 
 
-def _heading(data: xr.Dataset, batch: Batch) -> str:
+def _heading(data: RunColumns, batch: Batch) -> str:
     """Title, number of runs, the keys that vary, and the main parameters that do not."""
     varied = [key.span() for key in batch.drawn or batch.keys[:MAX_KEYS]]
     return heading(data, [f"{len(batch.done)} runs", *varied, *main_facts(data)])
@@ -161,15 +159,15 @@ def _heading(data: xr.Dataset, batch: Batch) -> str:
 
 def _caption(batch: Batch, mapped: bool) -> str:
     """The small print: runs and keys left out, and the meaning of the marks."""
-    runs, ended = len(batch.done), batch.frame["status"][batch.failed].value_counts()
+    runs, ended = len(batch.done), Counter(batch.frame["status"][batch.failed].tolist())
     waiting = int((~batch.done & ~batch.failed).sum())
     said = [f"{waiting} of {runs} runs are still to be computed and left out."] if waiting else []
-    if len(ended):
+    if ended:
         where = ["at the lower edges"] * bool(batch.drawn) + ["in the map"] * mapped + ["where their fronts ended"]
-        words = " and ".join(f"{count} {word.replace('_', ' ')}" for word, count in ended.items())
+        words = " and ".join(f"{count} {word.replace('_', ' ')}" for word, count in ended.most_common())
         said.append(f"Without a result: {words} of {runs} runs, crosses {', '.join(where)}, else left out.")
     if batch.drawn:
-        resting = int(batch.frame["stop_time"].notna().sum())
+        resting = int(np.isfinite(batch.frame["stop_time"]).sum())
         said.append(f"{resting} of {runs} runs came to rest and have a stop time.")
     said += [
         f"{sign} {count} of {runs} runs {words}." for sign, count, words in _caveats(batch) if count and batch.drawn
@@ -236,7 +234,7 @@ def _draw_panels(batch: Batch, grid: GridSpec) -> list[Axes]:
 
 def _make_room(ax: Axes, panel: Panel, batch: Batch) -> None:
     """Widen the axis of a quantity to its least span, with room for the crosses; write "none" if no run has it."""
-    if not batch.frame[panel.name].notna().any():
+    if not np.isfinite(batch.frame[panel.name]).any():
         ax.set_yticks([])
         ax.text(0.5, 0.5, "none", transform=ax.transAxes, ha="center", va="center", color="0.3")
         return
@@ -248,7 +246,7 @@ def _make_room(ax: Axes, panel: Panel, batch: Batch) -> None:
 
 def _draw_points(ax: Axes, batch: Batch, panel: Panel, key: Key, groups: list[np.ndarray]) -> None:
     """One quantity against one key: joined points, or points alone; open where the end was not the end."""
-    values = panel.factor * batch.frame[panel.name].to_numpy()
+    values = panel.factor * batch.frame[panel.name]
     colour = _colour_key(batch, key)
     size = float(np.clip(40.0 / np.sqrt(values.size), 1.0, 3.0))
     look: dict[str, Any] = {"markersize": size, "linestyle": "none", "rasterized": values.size > 200}
@@ -316,7 +314,7 @@ def _draw_map(ax: Axes, batch: Batch) -> None:
     """The run-out over the two keys: cells where the values form a full grid, else points."""
     a, b = batch.drawn
     run_out = batch.panels[0]
-    value = run_out.factor * batch.frame["run_out"].to_numpy()
+    value = run_out.factor * batch.frame["run_out"]
     known = value[np.isfinite(value)]
     low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
     look: dict[str, Any] = {

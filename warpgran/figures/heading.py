@@ -7,12 +7,11 @@ import textwrap
 from collections.abc import Sequence
 
 import numpy as np
-import xarray as xr
 
 from warpgran.analysis.caveats import caveats
-from warpgran.analysis.fields import parameter
-from warpgran.analysis.runs import status_words
+from warpgran.analysis.run_columns import RunColumns
 from warpgran.figures.names import named, shown
+from warpgran.figures.selection import OneRun
 from warpgran.printable import printable
 from warpgran.schema import CLEAN
 
@@ -22,37 +21,36 @@ RESERVES = {"left_grid": "left the grid: its run-out is a lower bound", "moving"
 MARKUP = re.compile(r"\\[a-z]+|[${}_^]")  # what takes no room in a line
 
 
-def run_heading(one: xr.Dataset, width: int = 95) -> str:
+def run_heading(one: OneRun, width: int = 95) -> str:
     """Title of the case, its main parameters, what else varies between the runs, and how the run ended."""
-    varied = [str(name) for name in one.variables if "." in str(name) and name not in MAIN_KEYS]
-    facts = main_facts(one)
-    facts += [f"{name} = {shown(one[name].item()).strip('$')}" for name in varied]
-    if one.attrs["runs"] > 1:
-        facts.append(f"run {one.attrs['run']} (0 to {one.attrs['runs'] - 1})")
-    return heading(one, [*facts, *reserves(one)], width)
+    varied = {name: values.item() for name, values in one.columns.swept.items() if name not in MAIN_KEYS}
+    facts = main_facts(one.columns)
+    facts += [f"{name} = {shown(value).strip('$')}" for name, value in varied.items()]
+    if one.runs > 1:
+        facts.append(f"run {one.place} (0 to {one.runs - 1})")
+    return heading(one.columns, [*facts, *reserves(one)], width)
 
 
-def reserves(one: xr.Dataset) -> list[str]:
+def reserves(one: OneRun) -> list[str]:
     """What the results of a run must not be read without: that it ended early, lost solid or had not stopped."""
-    status = status_words(one).item()
-    if status == "pending":
+    if one.status == "pending":
         return ["still to be computed"]
-    if status == "interrupted":
-        return [f"interrupted at $t$ = {one['end_time'].item():.3g} s"]
-    found = caveats(one.expand_dims("run"))
+    if one.status == "interrupted":
+        return [f"interrupted at $t$ = {one.columns.values['end_time'].item():.3g} s"]
+    found = caveats(one.columns)
     said = [words for name, words in RESERVES.items() if found[name].item()]
-    return said if status in CLEAN else [f"ended early: {status}", *said]
+    return said if one.status in CLEAN else [f"ended early: {one.status}", *said]
 
 
-def main_facts(data: xr.Dataset) -> list[str]:
+def main_facts(data: RunColumns) -> list[str]:
     """The main parameters that the result has, each where it is the same in all runs."""
-    values = {key: parameter(data, key, np.nan) for key in MAIN_KEYS}
-    return [named(key).value(float(v.item())) for key, v in values.items() if v.size == 1 and v.notnull()]
+    values = {key: data.parameter(key, np.nan) for key in MAIN_KEYS}
+    return [named(key).value(float(v.item())) for key, v in values.items() if v.size == 1 and np.isfinite(v.item())]
 
 
-def heading(data: xr.Dataset, facts: Sequence[str], width: int = 95) -> str:
+def heading(data: RunColumns, facts: Sequence[str], width: int = 95) -> str:
     """Title of the case, then facts, in lines of about `width` characters."""
-    title = " / ".join(dict.fromkeys(parameter(data, "title", "").values.ravel().tolist()))
+    title = " / ".join(dict.fromkeys(data.parameter("title", "").ravel().tolist()))
     title = printable(title).replace("$", r"\$")  # plain text, and no formula
     lines = [""]
     for fact in facts:

@@ -9,17 +9,16 @@ lies on it, since a bed can be higher than the mass by orders.
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
-from warpgran.analysis.fields import derive, number
-from warpgran.analysis.front import thick
+from warpgran.analysis.derived import dilatancy_angle, thick
+from warpgran.analysis.run_columns import RunColumns
 from warpgran.analysis.units import Lengths, unit_of
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
 from warpgran.figures.heading import run_heading
-from warpgran.figures.selection import computed_snapshots, one_run, wet_range
+from warpgran.figures.selection import OneRun, computed_snapshots, one_run, wet_range
 from warpgran.figures.style import (
     FRONT,
     THIN,
@@ -30,6 +29,7 @@ from warpgran.figures.style import (
     hold_open,
     legend,
     letter,
+    place_labels,
     small_print,
 )
 
@@ -52,7 +52,7 @@ SERIES = (
 POSITION = Panel("x", "position along the slope $x$", "along")
 
 
-def draw_run(data: xr.Dataset, run: int) -> Sheet:
+def draw_run(data: RunColumns, run: int) -> Sheet:
     """The page of one run: profiles on the left, series on the right, either alone if the other has nothing to show.
 
     Raises:
@@ -60,14 +60,12 @@ def draw_run(data: xr.Dataset, run: int) -> Sheet:
     """
     one = one_run(data, run)
     snapshots = computed_snapshots(one)
-    sampled = np.isfinite(one["h_max"].values).any()
-    columns = [draw for draw, there in ((_draw_profiles, snapshots.sizes["time"]), (_draw_series, sampled)) if there]
+    sampled = np.isfinite(one.series("h_max")).any()
+    columns = [draw for draw, there in ((_draw_profiles, snapshots.time.size), (_draw_series, sampled)) if there]
     if not columns:
-        raise ResultError(
-            f"run {one.attrs['run']} has nothing to draw: it holds no snapshot and no sample of the series"
-        )
+        raise ResultError(f"run {run} has nothing to draw: it holds no snapshot and no sample of the series")
     lengths = Lengths.of(data)
-    on_bed = bool(snapshots.sizes["time"]) and np.ptp(one["bed"].values) > 0.0
+    on_bed = bool(snapshots.time.size) and np.ptp(one.bed) > 0.0
     title = run_heading(one)
     head = 0.25 + 0.18 * (1 + title.count("\n"))
     above = head + (BED_HEIGHT + BED_GAP if on_bed else 0.0)
@@ -86,25 +84,24 @@ def draw_run(data: xr.Dataset, run: int) -> Sheet:
     letter(ordered)
     for ax in axes.flat:
         ax.locator_params(axis="x", nbins=7)
-    figure.align_ylabels([ax for ax in figure.axes if ax.get_position().x0 < 0.1])
-    figure.align_ylabels(axes[:, -1])
+    place_labels(axes.flat)
     figure.suptitle(title, fontsize=9, y=1 - 0.08 / height, linespacing=1.4)
     return figure
 
 
-def _caption(one: xr.Dataset, drawn: int, held: int) -> str:
+def _caption(one: OneRun, drawn: int, held: int) -> str:
     """The small print under the profiles."""
-    h_front = number(one, "scheme.h_front")
+    h_front = one.parameter("scheme.h_front")
     least = unit_of(h_front).text(h_front)
     caption = rf"$v$, $\varphi$ and $\psi$ are drawn only where $\varphi h/\varphi_\mathrm{{stat}}$ > {least}."
     return caption + (f" {drawn} of the {held} snapshots are shown." if drawn < held else "")
 
 
-def _shown_instants(one: xr.Dataset) -> xr.Dataset:
+def _shown_instants(one: OneRun) -> OneRun:
     """The snapshots that are drawn, and the cells that the mass covers."""
-    held = one.sizes["time"]
+    held = one.time.size
     instants = np.unique(np.linspace(0, held - 1, min(held, MAX_INSTANTS)).round().astype(int))
-    return one.isel(x=wet_range(one), time=instants)
+    return one.at(instants, wet_range(one))
 
 
 def _tints(instants: int) -> Array:
@@ -112,12 +109,12 @@ def _tints(instants: int) -> Array:
     return np.asarray(colormaps["viridis"](np.linspace(0.0, 0.87, instants)))
 
 
-def _draw_on_bed(one: xr.Dataset, ax: Axes, lengths: Lengths) -> None:
+def _draw_on_bed(one: OneRun, ax: Axes, lengths: Lengths) -> None:
     """The free surface on the bed, at the instants of the profiles."""
-    bed, h = one["bed"].values, np.where(thick(one).values, one["h"].values, np.nan)
+    bed, h = one.bed, np.where(thick(one), one.h, np.nan)
     along, up = unit_of(lengths.along), unit_of(max(float(np.ptp(bed)), lengths.thick))
-    x = along.factor * one["x"].values
-    for surface, colour in zip(up.factor * (bed + h), _tints(one.sizes["time"]), strict=True):
+    x = along.factor * one.x
+    for surface, colour in zip(up.factor * (bed + h), _tints(one.time.size), strict=True):
         ax.plot(x, surface, color=colour)
     ax.plot(x, up.factor * bed, color="0.3", linewidth=0.8, zorder=3)
     low, high = ax.get_ylim()
@@ -125,38 +122,38 @@ def _draw_on_bed(one: xr.Dataset, ax: Axes, lengths: Lengths) -> None:
     ax.set(xlim=x[[0, -1]], ylim=(low, high), ylabel=f"bed $b$, surface\n$b + h$ ({up.name})")
 
 
-def _draw_profiles(one: xr.Dataset, axes: list[Axes], lengths: Lengths) -> None:
+def _draw_profiles(one: OneRun, axes: list[Axes], lengths: Lengths) -> None:
     """Thickness, velocity, volume fraction and dilatancy angle along x, a colour for each instant."""
-    held = one.sizes["time"]
+    held = one.time.size
     one = _shown_instants(one)
-    one = one.assign(derive(one, "psi"))
-    shown = thick(one).values
+    fields = {"h": one.h, "v": one.v, "phi": one.phi, "psi": dilatancy_angle(one)}
+    shown = thick(one)
     position = POSITION.of(lengths)
-    x = position.factor * one["x"].values
+    x = position.factor * one.x
     for ax, panel in zip(axes, (panel.of(lengths) for panel in PROFILES), strict=True):
-        values = np.where(shown | panel.thin, panel.factor * one[panel.name].values, np.nan)
-        for profile, time, colour in zip(values, one["time"].values, _tints(one.sizes["time"]), strict=True):
+        values = np.where(shown | panel.thin, panel.factor * fields[panel.name], np.nan)
+        for profile, time, colour in zip(values, one.time, _tints(one.time.size), strict=True):
             ax.plot(x, profile, color=colour, label=f"$t$ = {time:.4g} s")
         _finish(ax, panel, one)
-    hold_open(axes[1], 10.0 * number(one, "time.rest_speed"))
+    hold_open(axes[1], 10.0 * one.parameter("time.rest_speed"))
     axes[0].set_ylim(bottom=0.0)
     axes[-1].set_xlim(*x[[0, -1]])
     axes[-1].set_xlabel(position.label)
-    longest = max(len(f"{time:.4g}") for time in one["time"].values.tolist())
+    longest = max(len(f"{time:.4g}") for time in one.time.tolist())
     legend(axes, 4 if longest <= 4 else 3)  # three rows of either have room for all
-    small_print(axes[-1], _caption(one, one.sizes["time"], held))
+    small_print(axes[-1], _caption(one, one.time.size, held))
 
 
-def _draw_series(one: xr.Dataset, axes: list[Axes], lengths: Lengths) -> None:
+def _draw_series(one: OneRun, axes: list[Axes], lengths: Lengths) -> None:
     """Front, thickness, speeds and volume change against time."""
-    time = one["series_time"].values
-    marker = "." if np.isfinite(one["h_max"].values).sum() == 1 else None
+    time = one.columns.series_time
+    marker = "." if np.isfinite(one.series("h_max")).sum() == 1 else None
     for ax, panel in zip(axes, (panel.of(lengths) for panel in SERIES), strict=True):
-        ax.plot(time, panel.factor * one[panel.name].values, color="black", marker=marker)
+        ax.plot(time, panel.factor * one.series(panel.name), color="black", marker=marker)
         _finish(ax, panel, one)
         if panel.name == "v_flow":
             _draw_speeds(one, ax, marker)
-    stop_time = float(one["stop_time"].item())
+    stop_time = float(one.columns.values["stop_time"].item())
     for ax in axes if np.isfinite(stop_time) else []:
         ax.axvline(stop_time, color="tab:red", linestyle=":", label=f"at rest, $t$ = {stop_time:.3g} s")
     axes[-1].set_xlabel(TIME_LABEL)
@@ -165,11 +162,11 @@ def _draw_series(one: xr.Dataset, axes: list[Axes], lengths: Lengths) -> None:
     legend(axes, 2)
 
 
-def _draw_speeds(one: xr.Dataset, ax: Axes, marker: str | None) -> None:
+def _draw_speeds(one: OneRun, ax: Axes, marker: str | None) -> None:
     """Add the speed of the front and the speed that counts as rest; logarithmic if anything ever moves."""
-    rest_speed = number(one, "time.rest_speed")
+    rest_speed = one.parameter("time.rest_speed")
     ax.lines[0].set_label(r"$|v|$, maximum")
-    ax.plot(one["series_time"], one["front_speed"], color="tab:blue", linestyle="--", marker=marker)
+    ax.plot(one.columns.series_time, one.series("front_speed"), color="tab:blue", linestyle="--", marker=marker)
     ax.lines[1].set_label(r"$\dot{x}_\mathrm{f}$, front")
     ax.axhline(rest_speed, **THIN, linestyle="-.", label=f"rest: $|v|$ < {1000 * rest_speed:.3g} mm/s")
     fastest = np.nanmax([line.get_ydata() for line in ax.lines[:2]])
@@ -178,11 +175,11 @@ def _draw_speeds(one: xr.Dataset, ax: Axes, marker: str | None) -> None:
         ax.set_ylim(rest_speed / 3, 2 * fastest)
 
 
-def _finish(ax: Axes, panel: Panel, one: xr.Dataset) -> None:
+def _finish(ax: Axes, panel: Panel, one: OneRun) -> None:
     """Label the axis, draw its reference line and hold it open to its least span."""
     ax.set_ylabel(panel.label)
     if isinstance(panel.reference, str):
-        ax.axhline(number(one, panel.reference), **THIN, linestyle="--", label=r"$\varphi_\mathrm{stat}$")
+        ax.axhline(one.parameter(panel.reference), **THIN, linestyle="--", label=r"$\varphi_\mathrm{stat}$")
     elif panel.reference is not None:
         ax.axhline(panel.reference, **THIN)
     hold_open(ax, panel.span)

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 
-from warpgran.analysis.fields import number, parameter
+from warpgran.analysis.run_columns import RunColumns
 from warpgran.analysis.units import Lengths
 from warpgran.arrays import Array
 from warpgran.case.defaults import FOLLOWS, default
@@ -20,7 +19,7 @@ from warpgran.errors import ResultError
 from warpgran.figures.heading import MAIN_KEYS, MARKUP, heading, reserves
 from warpgran.figures.names import named
 from warpgran.figures.one_run import HEIGHT, POSITION, PROFILES, SERIES
-from warpgran.figures.selection import computed_snapshots, one_run, wet_range
+from warpgran.figures.selection import OneRun, computed_snapshots, one_run, wet_range
 from warpgran.figures.style import COLOURS, DASHES, THIN, TIME_LABEL, WIDTH, Sheet, hold_open, letter
 from warpgran.printable import printable
 
@@ -33,12 +32,12 @@ COLUMN = 52  # characters of a label that fits half the page
 class Line(NamedTuple):
     """One of the runs: its data over x, the snapshots that it reached, and how it is drawn."""
 
-    one: xr.Dataset
-    snapshots: xr.Dataset
+    one: OneRun
+    snapshots: OneRun
     look: dict[str, Any]
 
 
-def draw_overlay(results: Sequence[xr.Dataset], run: int | None, labels: Sequence[str] | None) -> Sheet:
+def draw_overlay(results: Sequence[RunColumns], run: int | None, labels: Sequence[str] | None) -> Sheet:
     """The page of runs over each other.
 
     Args:
@@ -49,7 +48,7 @@ def draw_overlay(results: Sequence[xr.Dataset], run: int | None, labels: Sequenc
     Raises:
         ResultError: no such run, too many runs, too few labels, or nothing to draw.
     """
-    places = [(n, r) for n, data in enumerate(results) for r in (range(data.sizes["run"]) if run is None else [run])]
+    places = [(n, r) for n, data in enumerate(results) for r in (range(data.run.size) if run is None else [run])]
     if len(places) > MAX_RUNS:
         raise ResultError(
             f"{len(places)} runs are too many to tell apart, {MAX_RUNS} can be drawn over each other: choose one of "
@@ -65,10 +64,10 @@ def draw_overlay(results: Sequence[xr.Dataset], run: int | None, labels: Sequenc
         for n, (one, label) in enumerate(zip(runs, said, strict=True))
     ]
     instants = _shared_instants(lines)
-    sampled = any(np.isfinite(one["h_max"].values).any() for one in runs)
+    sampled = any(np.isfinite(one.series("h_max")).any() for one in runs)
     if not instants.size and not sampled:
         raise ResultError("there is nothing to draw over each other: no snapshot is at one time in all runs, no series")
-    lengths = Lengths.of(*(results[n].isel(run=[r]) for n, r in places))
+    lengths = Lengths.of(*(one.columns for one in runs))
 
     columns = 2 if max(len(MARKUP.sub("", label)) for label in said) <= COLUMN else 1
     rows = sum(1 + label.count("\n") for label in said[:: columns if columns > 1 else 1])
@@ -96,17 +95,17 @@ def draw_overlay(results: Sequence[xr.Dataset], run: int | None, labels: Sequenc
     return figure
 
 
-def _names(results: Sequence[xr.Dataset]) -> list[str]:
+def _names(results: Sequence[RunColumns]) -> list[str]:
     """What results are called: by their files, else by their titles; not at all where that is the same for all."""
-    sources = [str(data.encoding.get("source", "")) for data in results]
+    sources = [data.source for data in results]
     stems = [Path(source).stem for source in sources]
     names = stems if len(set(stems)) == len(stems) else sources
-    titles = [" / ".join(dict.fromkeys(parameter(data, "title", "").values.ravel().tolist())) for data in results]
+    titles = [" / ".join(dict.fromkeys(data.parameter("title", "").ravel().tolist())) for data in results]
     names = [name or title for name, title in zip(names, titles, strict=True)]
     return names if len(set(names)) > 1 else [""] * len(names)
 
 
-def _labels(runs: Sequence[xr.Dataset], names: Sequence[str]) -> list[str]:
+def _labels(runs: Sequence[OneRun], names: Sequence[str]) -> list[str]:
     """The name of each run's result, the keys in which the runs differ, and what it must not be read without."""
     differ = _different_keys(runs)
     labels = []
@@ -123,7 +122,7 @@ def _labels(runs: Sequence[xr.Dataset], names: Sequence[str]) -> list[str]:
     return labels
 
 
-def _different_keys(runs: Sequence[xr.Dataset]) -> list[str]:
+def _different_keys(runs: Sequence[OneRun]) -> list[str]:
     """Keys of single values in which runs differ, without those that follow others by default; the main ones first.
 
     How far and how long it is computed is named only where nothing else differs.
@@ -134,13 +133,13 @@ def _different_keys(runs: Sequence[xr.Dataset]) -> list[str]:
     return [key for key in differ if not key.startswith(("grid.", "time."))] or differ
 
 
-def _value(one: xr.Dataset, key: str) -> Any:
+def _value(one: OneRun, key: str) -> Any:
     """A key of one run, None where it has no part in it."""
-    value = parameter(one, key, "").item()
+    value = one.parameter(key, "")
     return None if value == "" else value
 
 
-def _follows(one: xr.Dataset, key: str) -> bool:
+def _follows(one: OneRun, key: str) -> bool:
     """Whether a key has its default, as far as the result says."""
     given = [_value(one, other) for other in FOLLOWS[key][1]]
     if _value(one, key) is None or None in given:
@@ -148,23 +147,23 @@ def _follows(one: xr.Dataset, key: str) -> bool:
     return bool(np.isclose(_value(one, key), default(key, lambda other: _value(one, other)), rtol=1e-9, atol=0.0))
 
 
-def _fact(one: xr.Dataset, key: str) -> str:
+def _fact(one: OneRun, key: str) -> str:
     value = _value(one, key)
     words = named(key, np.array([value]) if isinstance(value, float) else None)
     return f"no {key}" if value is None else words.value(value)
 
 
-def _heading(runs: Sequence[xr.Dataset]) -> str:
+def _heading(runs: Sequence[OneRun]) -> str:
     """The title that all runs share, their number, and the main parameters that are the same in all."""
     shared = [key for key in MAIN_KEYS if len({_value(one, key) for one in runs}) == 1]
     facts = [f"{len(runs)} runs", *(_fact(runs[0], key) for key in shared if _value(runs[0], key) is not None)]
     titles = {_value(one, "title") for one in runs}
-    return heading(runs[0], facts) if len(titles) == 1 else ", ".join(facts)
+    return heading(runs[0].columns, facts) if len(titles) == 1 else ", ".join(facts)
 
 
 def _shared_instants(lines: Sequence[Line]) -> Array:
     """Up to four times of snapshots that all runs reached, [s]; of many the first, where all begin, is left out."""
-    first, *others = (line.snapshots["time"].values for line in lines)
+    first, *others = (line.snapshots.time for line in lines)
     shared = np.array([t for t in first if all(np.isclose(other, t, rtol=1e-9, atol=1e-12).any() for other in others)])
     if shared.size <= MAX_INSTANTS:
         return shared
@@ -177,9 +176,9 @@ def _draw_profiles(lines: Sequence[Line], instants: Array, axes: Sequence[Axes],
     position, panel = POSITION.of(lengths), PROFILES[0].of(lengths)
     for ax, t in zip(axes, instants.tolist(), strict=True):
         for line in lines:
-            there = line.snapshots.isel(x=wet_range(line.snapshots))
-            h = there["h"].values[int(np.argmin(np.abs(there["time"].values - t)))]
-            ax.plot(position.factor * there["x"].values, panel.factor * h, **line.look)
+            there = line.snapshots.at(cells=wet_range(line.snapshots))
+            h = there.h[int(np.argmin(np.abs(there.time - t)))]
+            ax.plot(position.factor * there.x, panel.factor * h, **line.look)
         ax.text(0.97, 0.9, f"$t$ = {t:g} s", transform=ax.transAxes, ha="right", va="top")
         ax.set_ylabel(panel.label)
         hold_open(ax, panel.span)
@@ -193,7 +192,7 @@ def _draw_series(lines: Sequence[Line], axes: Sequence[Axes], lengths: Lengths) 
     """Front, thickness, speed and volume change of every run against time."""
     for ax, panel in zip(axes, (panel.of(lengths) for panel in SERIES), strict=True):
         for line in lines:
-            ax.plot(line.one["series_time"].values, panel.factor * line.one[panel.name].values, **line.look)
+            ax.plot(line.one.columns.series_time, panel.factor * line.one.series(panel.name), **line.look)
         ax.set_ylabel(r"speed $|v|$ (m/s)" if panel.name == "v_flow" else panel.label)
         if isinstance(panel.reference, float):
             ax.axhline(panel.reference, **THIN)
@@ -207,8 +206,8 @@ def _draw_series(lines: Sequence[Line], axes: Sequence[Axes], lengths: Lengths) 
 
 def _speeds_on_a_logarithmic_axis(lines: Sequence[Line], ax: Axes) -> None:
     """From a third of the speed that counts as rest to twice the fastest, if anything ever moves."""
-    rest_speed = min(number(line.one, "time.rest_speed") for line in lines)
-    fastest = max(np.nanmax(line.one["v_flow"].values, initial=0.0) for line in lines)
+    rest_speed = min(line.one.parameter("time.rest_speed") for line in lines)
+    fastest = max(np.nanmax(line.one.series("v_flow"), initial=0.0) for line in lines)
     if fastest > rest_speed:
         ax.set_yscale("log")
         ax.set_ylim(rest_speed / 3, 2 * fastest)

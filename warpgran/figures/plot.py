@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import xarray as xr
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from warpgran.errors import OptionError, ResultError
+from warpgran.analysis.run_columns import RunColumns
+from warpgran.errors import OptionError
 from warpgran.figures.batch import draw_batch
 from warpgran.figures.one_run import draw_run
 from warpgran.figures.overlay import draw_overlay
 from warpgran.figures.style import PLOT_SUFFIXES, STYLE, checked, save
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 def plot(
-    *results: xr.Dataset,
+    *results: xr.Dataset | RunColumns,
     run: int | None = None,
     labels: Sequence[str] | None = None,
     path: str | Path | None = None,
@@ -43,20 +47,27 @@ def plot(
         StorageError: the picture cannot be written, or a file is there that warpgran did not write.
     """
     path = None if path is None else checked(path, PLOT_SUFFIXES)
-    for data in results:
-        if not isinstance(data, xr.Dataset):
-            raise OptionError(f"plot draws results, not {data!r}; the name of a picture is given as path=...")
-        if "run" not in data.dims:
-            raise ResultError("a figure needs the dimension `run`: select one run with data.isel(run=[0])")
-    if not results:
+    every = [_columns(data) for data in results]
+    if not every:
         raise OptionError("plot draws results, and none is given")
     with rc_context(STYLE):
-        if len(results) > 1:
-            figure = draw_overlay(results, run, labels)
-        elif run is None and results[0].sizes["run"] > 1:
-            figure = draw_batch(results[0])
+        if len(every) > 1:
+            figure = draw_overlay(every, run, labels)
+        elif run is None and every[0].run.size > 1:
+            figure = draw_batch(every[0])
         else:
-            figure = draw_run(results[0], run or 0)
+            figure = draw_run(every[0], run or 0)
     if path is not None:
         save(figure, path)
     return figure
+
+
+def _columns(data: xr.Dataset | RunColumns) -> RunColumns:
+    """The runs of a result."""
+    if isinstance(data, RunColumns):
+        return data
+    import xarray as xr
+
+    if not isinstance(data, xr.Dataset):
+        raise OptionError(f"plot draws results, not {data!r}; the name of a picture is given as path=...")
+    return RunColumns.of(data)

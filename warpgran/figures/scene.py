@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 
-from warpgran.analysis.fields import number, parameter
-from warpgran.analysis.front import thick
+from warpgran.analysis.derived import thick
 from warpgran.analysis.units import Lengths, unit_of
 from warpgran.arrays import Array
 from warpgran.errors import ResultError
 from warpgran.figures.heading import run_heading
 from warpgran.figures.one_run import POSITION, PROFILES
-from warpgran.figures.selection import wet_range
+from warpgran.figures.selection import OneRun, wet_range
 from warpgran.figures.style import Panel, Sheet
 
 WIDEST = 1e9
@@ -36,14 +34,14 @@ class Scene:
         alone: the thickness along the slope, or None where it is legible on the slope.
     """
 
-    def __init__(self, one: xr.Dataset, dpi: float, lengths: Lengths) -> None:
+    def __init__(self, one: OneRun, dpi: float, lengths: Lengths) -> None:
         """Draw what does not move. one: one run with its snapshots; dpi: pixels an inch; lengths: typical ones."""
         self.unit = unit_of(lengths.along)
-        self.theta = np.deg2rad(number(one, "slope.angle"))
-        self.one = one.isel(x=wet_range(one))
-        self.edges, self.bed = _edges(self.one["x"].values), _at_edges(self.one["bed"].values)
-        self.thick = thick(self.one).values
-        self.deepest = float(np.max(self.one["h"].values, where=self.thick, initial=0.0))
+        self.theta = np.deg2rad(one.parameter("slope.angle"))
+        self.one = one.at(cells=wet_range(one))
+        self.edges, self.bed = _edges(self.one.x), _at_edges(self.one.bed)
+        self.thick = thick(self.one)
+        self.deepest = float(np.max(self.one.h, where=self.thick, initial=0.0))
         self.alone: Axes | None = None
         self.figure, self.ax = self._canvas(dpi, PROFILES[0].of(lengths), POSITION.of(lengths))
         self._draw_ground(one)
@@ -65,13 +63,13 @@ class Scene:
 
     def caption(self, instant: int) -> str:
         """The time of a snapshot."""
-        return f"$t$ = {float(self.one['time'][instant]):.3f} s"
+        return f"$t$ = {self.one.time[instant]:.3f} s"
 
     def _fill(self, material: PolyCollection, bottom: Array, top: Array, instant: int) -> None:
         """Fill the cells between two lines over the edges, where the mass is."""
         quads = np.stack([bottom[:-1], bottom[1:], top[1:], top[:-1]], axis=1)
         material.set_verts(list(quads[self.thick[instant]]))
-        material.set_array(self.one["phi"].values[instant][self.thick[instant]])
+        material.set_array(self.one.phi[instant][self.thick[instant]])
 
     def _collection(self, ax: Axes) -> PolyCollection:
         """The material of a panel, without any yet."""
@@ -86,7 +84,7 @@ class Scene:
 
     def _thickness(self, instant: int) -> Array:
         """Thickness at the edges of the cells [m]."""
-        return _at_edges(np.nan_to_num(self.one["h"].values[instant]))
+        return _at_edges(np.nan_to_num(self.one.h[instant]))
 
     def _surface(self, instant: int) -> Array:
         """The free surface at the edges of the cells."""
@@ -94,11 +92,11 @@ class Scene:
 
     def _canvas(self, dpi: float, thickness: Panel, position: Panel) -> tuple[Sheet, Axes]:
         """A figure just as large as the view needs at equal aspect; its pixels are even, as video asks."""
-        corners = [self._tilted(self.edges, self.bed), *(self._surface(i) for i in range(self.one.sizes["time"]))]
+        corners = [self._tilted(self.edges, self.bed), *(self._surface(i) for i in range(self.one.time.size))]
         low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
         if not np.max(high - low) < WIDEST * self.unit.factor:
             reach = f"{np.max(high - low):.3g} {self.unit.name}"
-            raise ResultError(f"run {self.one.attrs['run']} cannot be drawn: it is {reach} wide or high")
+            raise ResultError(f"run {self.one.place} cannot be drawn: it is {reach} wide or high")
         pad = 0.03 * np.max(high - low)
         low, high = low - pad, high + pad
         scale = np.min(np.array([6.0, 4.6]) / (high - low))  # inches a unit
@@ -126,26 +124,26 @@ class Scene:
         figure.suptitle(title, fontsize=9, y=1 - 0.08 / whole[1])
         return figure, ax
 
-    def _draw_ground(self, one: xr.Dataset) -> None:
+    def _draw_ground(self, one: OneRun) -> None:
         """The slope, constant beyond the ends of the grid."""
-        x, bed = one["x"].values, one["bed"].values
+        x, bed = one.x, one.bed
         far = 10.0 * np.ptp(x)
         line = self._tilted(np.r_[x[0] - far, x, x[-1] + far], np.r_[bed[0], bed, bed[-1]])
         below = self._tilted(np.r_[x[-1] + far, x[0] - far], np.full(2, bed.min() - far))
         self.ax.fill(*np.concatenate([line, below]).T, facecolor="0.88", edgecolor="0.3", linewidth=0.8, zorder=1)
 
-    def _draw_walls(self, one: xr.Dataset) -> None:
+    def _draw_walls(self, one: OneRun) -> None:
         """The ends of the grid that are walls, normal to the slope."""
-        edges, bed = _edges(one["x"].values), one["bed"].values
-        height = float(np.nanmax(one["h"].values))
+        edges, bed = _edges(one.x), one.bed
+        height = float(np.nanmax(one.h))
         for key, end in (("scheme.left", 0), ("scheme.right", -1)):
-            if parameter(one, key).item() == "wall":
+            if one.parameter(key) == "wall":
                 foot = self._tilted(np.full(2, edges[end]), bed[end] + np.array([0.0, height]))
                 self.ax.add_line(Line2D(*foot.T, color="0.2", linewidth=2.5, zorder=3))
 
     def _colours(self) -> tuple[float, float]:
         """Volume fractions between which colours run, in all frames; 1 % of the material lies beyond each end."""
-        phi, h = self.one["phi"].values[self.thick], self.one["h"].values[self.thick]
+        phi, h = self.one.phi[self.thick], self.one.h[self.thick]
         order = np.argsort(phi)
         below = np.cumsum(h[order])
         low, high = np.interp([0.01 * h.sum(), 0.99 * h.sum()], below, phi[order]) if phi.size else (0.0, 1.0)
@@ -158,7 +156,7 @@ class Scene:
         right = above.x1 + 0.15 / self.figure.get_figwidth()
         bar = self.figure.add_axes((right, below.y0, 0.018, above.y1 - below.y0))
         self.figure.colorbar(self.material, cax=bar, extend="both", label=r"volume fraction $\varphi$ (-)")
-        bar.axhline(number(self.one, "rheology.phi_stat"), color="white", linestyle="--", linewidth=1.0)
+        bar.axhline(self.one.parameter("rheology.phi_stat"), color="white", linestyle="--", linewidth=1.0)
 
 
 def _edges(x: Array) -> Array:

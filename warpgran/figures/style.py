@@ -5,7 +5,7 @@ Nothing here or in the figures touches pyplot, so that no window opens and no fi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from io import BytesIO
@@ -145,6 +145,14 @@ def letter(axes: Sequence[Axes]) -> None:
     for name, ax in zip("abcdefghijklmnopqrstuvwxyz", axes, strict=False):
         ax.set_title(f"({name})", loc="left", fontsize=8, pad=3)
         ax.tick_params(which="both", top=True, right=True)
+
+
+def place_labels(axes: Iterable[Axes], across: float = 0.42, below: float = 0.22) -> None:
+    """Put the labels of axes in line, at distances from their panels [inches] that leave room for the ticks."""
+    for ax in axes:
+        inches = ax.figure.dpi_scale_trans
+        ax.yaxis.set_label_coords(0.0, 0.5, ax.transAxes + ScaledTranslation(-across, 0.0, inches))
+        ax.xaxis.set_label_coords(0.5, 0.0, ax.transAxes + ScaledTranslation(0.0, -below, inches))
 
 
 def hold_open(ax: Axes, span: float) -> None:

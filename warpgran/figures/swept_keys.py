@@ -7,21 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba_array
 
 from warpgran.analysis.correlation import rank_correlation
-from warpgran.analysis.fields import parameter
-from warpgran.analysis.runs import swept
+from warpgran.analysis.run_columns import RunColumns
 from warpgran.arrays import Array
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.figures.names import named
 from warpgran.figures.style import COLOURS
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FEW = 6  # values of a key that colours can tell apart
 
@@ -117,12 +118,13 @@ class Key:
         return rank_correlation(mean[self.level], values)
 
 
-def varied_keys(data: xr.Dataset) -> list[Key]:
+def varied_keys(data: xr.Dataset | RunColumns) -> list[Key]:
     """The keys in which the runs differ, without those that took their values from another, as their default."""
-    found = {name: data[name].values for name in swept(data)}
+    columns = RunColumns.of(data)
+    found = columns.swept
 
     def value(key: str) -> Array:
-        return np.asarray(parameter(data, key, np.nan).values, dtype=float)
+        return np.asarray(columns.parameter(key, np.nan), dtype=float)
 
     defaults = {name: default(name, value) for name in found if name in FOLLOWS}
     followers = [name for name in defaults if np.allclose(found[name], defaults[name], rtol=1e-12, atol=0.0)]

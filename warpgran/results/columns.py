@@ -2,42 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
-from warpgran.analysis.run_columns import RunColumns, value_in, words_of
+from warpgran.analysis.run_columns import RunColumns, words_of
 from warpgran.arrays import Array
 from warpgran.results.reading import reading, unspoiled
-from warpgran.schema import PER_RUN, SERIES, is_key
+from warpgran.schema import FIELDS, PER_RUN, SERIES, is_key
 
 
-def read_columns(path: Path) -> RunColumns:
-    """What a finished file says of its runs, all of it in memory: for files of few runs.
+@contextmanager
+def opened_columns(path: Path) -> Iterator[RunColumns]:
+    """What a finished file says of its runs, for a block that uses the arrays.
 
     Raises:
         StorageError: It cannot be read, or some of its numbers.
     """
     with reading(path) as file, unspoiled(path):
-        swept = {name: _values(file[name]) for name in file if is_key(name)}
-        text = file.attrs["case_toml"]
-
-        def parameter(key: str, default: Any) -> Array:
-            said = value_in(text, key)
-            return swept.get(key, np.array(default if said is None else said))
-
-        return RunColumns(
+        yield RunColumns(
             run=file["run"][:],
-            swept=swept,
+            swept={name: _values(file[name]) for name in file if is_key(name)},
             status=words_of(file["status"][:], file["status"].attrs),
             values={name: _values(file[name]) for name in PER_RUN if name != "status"},
-            series={name: file[name][:] for name in SERIES},
+            series={name: file[name] for name in SERIES},
+            fields={name: file[name] for name in FIELDS},
             time=file["time"][:],
             series_time=file["series_time"][:],
-            rest_speed=parameter("time.rest_speed", np.nan),
-            left=parameter("scheme.left", ""),
+            x=file["x"],
+            bed=file["bed"],
+            texts=np.array(file.attrs["case_toml"]),
+            source=str(path),
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -70,7 +71,7 @@ def unspoiled(*paths: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        if error.filename is not None:
+        if error.filename is not None or error.errno in (errno.EPIPE, errno.ENOSPC):  # of what the block writes
             raise
         raise StorageError(f"cannot read {' or '.join(map(str, paths))}: it is damaged ({error})") from error
 
