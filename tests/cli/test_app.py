@@ -67,3 +67,13 @@ def test_run_files_complete_by_the_shell_itself(folder: Path) -> None:
     (folder / "collapse.toml").touch()
     assert completed(folder, "run", "coll") == []  # where we offer nothing, `-o default` offers files
     assert "complete -o default -F _warpgran_completion warpgran" in (folder / "completion").read_text()
+
+
+def test_a_command_ends_without_a_search_for_garbage_in_all_modules() -> None:
+    code = (
+        "import atexit, gc, sys; atexit.register(lambda: print(gc.get_freeze_count(), len(gc.get_objects())))\n"
+        "from warpgran.cli.app import main; sys.argv[1:] = ['--version']; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    frozen, left = map(int, done.stdout.split()[-2:])  # what is registered first is called last
+    assert frozen > 100 * left
