@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from helpers.collapses import batch, collapse
+from helpers.collapses import batch, collapse, two_runs
 
 import warpgran as wg
 from warpgran.analysis.fields import derive
@@ -47,6 +47,15 @@ class Opened:
         """Leave the page, which has kept quiet."""
         assert self.complaints == []
         self.tab.close()
+
+    def address(self) -> str:
+        """The address when what was done before stands in it."""
+        self.tab.wait_for_timeout(500)
+        return str(self.tab.url)
+
+    def pressed(self, place: str) -> str:
+        """Whether a button that stays pressed is."""
+        return str(self.tab.locator(place).get_attribute("aria-pressed"))
 
     def drawn(self, place: str) -> str:
         """What a canvas shows, as text."""
@@ -86,7 +95,7 @@ def test_numbers_under_the_pointer_are_those_of_the_result(chromium: Any, one: t
     canvas = page.tab.locator("#profiles figure[data-name=v] canvas")
     canvas.scroll_into_view_if_needed()
     canvas.hover(position={"x": 200, "y": 60})
-    x = float(re.search(r"[?&#]x=([^&]*)", page.tab.url)[1])  # type: ignore[index]
+    x = float(re.search(r"[?&#]x=([^&]*)", page.address())[1])  # type: ignore[index]
     whole = data.assign(derive(data, "psi", "mu", "I"))
     mass, here = whole.where(thick(data)), whole.isel(run=0, time=4).sel(x=x, method="nearest")
     factors = {"h": 100.0, "v": 1.0, "phi": 1.0, "psi": 1.0, "mu": 1.0, "I": 1.0}
@@ -151,10 +160,10 @@ def test_keys_alone_step_play_tilt_and_move_the_pointer(chromium: Any, one: tupl
     press("Escape")
     assert page.numbers("#flow") == []
     press("t")
-    assert "view=flat" in page.tab.url and page.tab.locator("#tilt").inner_text() == "flat"
+    assert "view=flat" in page.address() and page.pressed("#tilt") == "false"
     colour = page.tab.evaluate(DARK)
     press("d")
-    assert "theme=dark" in page.tab.url and page.tab.evaluate(DARK) != colour
+    assert "theme=dark" in page.address() and page.tab.evaluate(DARK) != colour
     page.close()
 
 
@@ -187,7 +196,7 @@ def test_the_table_is_sorted_and_walked_by_keys(chromium: Any, many: tuple[xr.Da
     assert page.rows() == ["0", "2", "4", "5", "3", "1", "6"]
     page.tab.locator("#table th[data-name='rheology.K'] button").click()
     assert page.rows() == ["6", "1", "3", "5", "4", "2", "0"]
-    page.tab.locator("#table").focus()
+    page.tab.locator("#table table").focus()
     page.tab.keyboard.press("ArrowDown")
     page.tab.keyboard.press("Enter")
     page.wait_for_runs("run 1")
@@ -226,12 +235,12 @@ def test_the_address_brings_everything_back(chromium: Any, many: tuple[xr.Datase
     page = Opened(chromium, many[1], place)
     assert page.shown() == ["run 4", "run 2"]
     assert page.rows() == ["3", "5", "4", "2"]
-    assert page.tab.locator("#tilt").inner_text() == "flat"
+    assert page.pressed("#tilt") == "false"
     assert len(page.numbers("#flow")) == 2
-    again = Opened(chromium, many[1], "#" + page.tab.url.partition("#")[2])
+    again = Opened(chromium, many[1], "#" + page.address().partition("#")[2])
     for part in ("#parallel", "#profiles", "#series"):
         assert again.drawn(part) == page.drawn(part)
-    assert again.tab.url == page.tab.url
+    assert again.address() == page.address()
     again.tab.evaluate("location.hash = '#run=0.6'")
     again.wait_for_runs("run 6")
     assert len(again.rows()) == 7
@@ -265,14 +274,177 @@ def test_text_of_a_result_is_shown_as_text(chromium: Any, tmp_path: Path) -> Non
     page.close()
 
 
-def test_what_a_result_lacks_leaves_its_place_empty(chromium: Any, tmp_path: Path) -> None:
+def test_what_a_result_lacks_has_no_empty_place_and_the_page_says_so(chromium: Any, tmp_path: Path) -> None:
     data = collapse()
-    for name, part in {"no series": {"series_time": slice(0)}, "no snapshots": {"time": slice(0)}}.items():
-        page = Opened(chromium, view(data.isel(part), tmp_path / f"{name}.html"), "#x=0.1")
-        page.tab.keyboard.press("ArrowRight")
-        assert np.isfinite(page.numbers("#profiles figure[data-name=h]")).all() == (name == "no series")
-        assert np.isfinite(page.numbers("#series figure[data-name=front]")).all() == (name == "no snapshots")
+    page = Opened(chromium, view(data.isel(series_time=slice(0)), tmp_path / "a.html"), "#x=0.1")
+    assert page.tab.locator("#absent").inner_text().startswith("The result holds no series")
+    assert np.isfinite(page.numbers("#profiles figure[data-name=h]")).all()
+    assert not page.tab.locator("#series").is_visible() and not page.tab.locator("#more").is_visible()
+    page.close()
+    page = Opened(chromium, view(data.isel(time=slice(0)), tmp_path / "b.html"), "#x=0.1")
+    assert page.tab.locator("#absent").inner_text().startswith("The result holds no snapshots")
+    assert not page.tab.locator("#flow").is_visible() and not page.tab.locator("#profiles").is_visible()
+    page.tab.keyboard.press("End")  # the slider has the times of the series
+    assert page.tab.locator("#instant").inner_text() == "t = 0.9 s"
+    (front,) = page.numbers("#series figure[data-name=front]")
+    assert front == pytest.approx(float(data["front"][0, -1]), abs=1e-4)
+    page.close()
+
+
+def test_a_run_that_ended_earlier_says_at_what_time_it_is_shown(chromium: Any, tmp_path: Path) -> None:
+    data = two_runs()
+    page = Opened(chromium, view(data, tmp_path / "page.html"), "#run=0.0,0.1")
+    page.tab.keyboard.press("Home")
+    notes = page.tab.locator("#legend .instant")
+    assert [note.is_visible() for note in notes.all()] == [False, False]
+    page.tab.keyboard.press("End")
+    last = float(data["time"][7])
+    assert [note.is_visible() for note in notes.all()] == [False, True]
+    assert notes.nth(1).inner_text() == f"shown at t = {last:.4g} s, its last snapshot"
+    page.close()
+
+
+def test_speeds_and_inertial_numbers_are_logarithmic_or_linear(chromium: Any, one: tuple[xr.Dataset, Path]) -> None:
+    page = Opened(chromium, one[1], "#x=0.1&t=0.3")
+    places = ("#profiles figure[data-name=I]", "#series figure[data-name=v_flow]", "#profiles figure[data-name=phi]")
+    before, read = [page.drawn(place) for place in places], page.numbers(places[0])
+    page.tab.keyboard.press("l")
+    assert [page.drawn(place) == drawn for place, drawn in zip(places, before, strict=True)] == [False, False, True]
+    assert page.numbers(places[0]) == read
+    assert "axes=linear" in page.address() and page.pressed("#log") == "false"
+    page.tab.locator("#log").click()
+    page.tab.mouse.move(0, 0)
+    assert "axes" not in page.address() and page.pressed("#log") == "true"
+    page.close()
+
+
+def test_axes_have_labels_that_differ(chromium: Any, one: tuple[xr.Dataset, Path]) -> None:
+    page = Opened(chromium, one[1])
+    for value in (0.0, 0.5536, -3e-7, 4e6, 1.9975):
+        texts = page.tab.evaluate(
+            f"(() => {{ const {{ at, text }} = ticks(...roomy([{value}, {value}], 0), 4); return at.map(text); }})()"
+        )
+        assert len(set(texts)) == len(texts) >= 2, texts
+        assert max(map(len, texts)) <= 8, texts
+    for low, high in ((3e-4, 2.0), (0.5, 0.9), (1e-9, 1e3), (0.03, 4.0)):
+        texts = page.tab.evaluate(
+            f"(() => {{ const {{ at, text }} = decades({low}, {high}, 4); return at.map(text); }})()"
+        )
+        assert 1 <= len(set(texts)) == len(texts) <= 6, texts
+    page.close()
+
+
+def test_each_bed_is_drawn(chromium: Any, tmp_path: Path) -> None:
+    data = collapse(runs=2)
+    bed = 0.05 * np.exp(-(((data["x"] - 0.3) / 0.1) ** 2))
+    count = """
+        let grounds = 0;
+        const ground = flow.ground;
+        flow.ground = (...all) => { grounds += 1; ground.apply(flow, all); };
+        draw();
+        grounds"""
+    for beds, heights in ((2, [1.0, 0.2]), (1, [1.0, 1.0])):
+        bumpy = data.assign(bed=xr.DataArray(heights, dims="run") * bed)
+        page = Opened(chromium, view(bumpy, tmp_path / f"{beds}.html"), "#run=0.0,0.1&t=0.2")
+        assert page.tab.evaluate(count) == beds
         page.close()
+
+
+def test_the_address_is_written_no_more_often_than_browsers_allow(chromium: Any, one: tuple[xr.Dataset, Path]) -> None:
+    page = Opened(chromium, one[1])
+    page.address()
+    page.tab.evaluate("""
+        window.calls = 0;
+        const kept = history.replaceState.bind(history);
+        history.replaceState = (...all) => { calls += 1; kept(...all); };
+        0""")
+    page.tab.evaluate("""async () => {
+        for (let i = 0; i < 200; i += 1) {
+            point(0.001 * i);
+            await new Promise((go) => setTimeout(go, 4));
+        }
+    }""")
+    assert page.address().endswith("x=0.199")
+    assert 1 <= page.tab.evaluate("calls") < 50
+    page.close()
+
+
+def test_what_is_printed_is_light_and_has_no_buttons(chromium: Any, one: tuple[xr.Dataset, Path]) -> None:
+    page = Opened(chromium, one[1], "#theme=dark")
+    dark, drawn = page.tab.evaluate(DARK), page.drawn("#series")
+    page.tab.emulate_media(media="print")
+    page.tab.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert page.tab.evaluate(DARK) == "rgb(255, 255, 255)" and page.drawn("#series") != drawn
+    assert not page.tab.locator("button:visible").count()
+    assert page.tab.locator("#instant").is_visible()
+    page.tab.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    assert page.tab.evaluate(DARK) == dark and "theme=dark" in page.address()
+    page.close()
+
+
+def test_a_screen_reader_is_told_what_there_is(chromium: Any, many: tuple[xr.Dataset, Path]) -> None:
+    page = Opened(chromium, many[1], "#run=0.0&t=0&sort=rheology.K")
+    grid = page.tab.get_by_role("grid", name="Runs")
+    assert grid.get_by_role("row", selected=True).get_attribute("id") == "row-0"
+    assert grid.get_by_role("columnheader", name="status").count() == 1
+    assert grid.get_attribute("aria-activedescendant") == "row-0"
+    grid.press("ArrowDown")
+    assert grid.get_attribute("aria-activedescendant") == "row-2"
+    thickness = page.tab.locator("#profiles figure[data-name=h] canvas").get_attribute("aria-label")
+    assert re.fullmatch(r"thickness h \(cm\) along the slope at t = 0 s: 0 to 18\.\d+", thickness), thickness
+    slider = page.tab.get_by_role("slider", name="Time")
+    assert slider.get_attribute("aria-valuetext") == "0 s"
+    page.tab.locator("#ranges summary").click()
+    page.tab.get_by_label("dilation coefficient K from").fill("99")
+    page.tab.get_by_label("dilation coefficient K from").press("Enter")
+    assert page.rows() == [] and page.tab.get_by_role("status").inner_text() == "0 of 7 runs"
+    grid.press("Enter")
+    assert page.shown() == ["run 0"]
+    page.close()
+
+
+def test_tab_reaches_everything_in_the_order_of_the_page(chromium: Any, many: tuple[xr.Dataset, Path]) -> None:
+    page = Opened(chromium, many[1], "#run=0.0,0.1")
+    reached = []
+    for _ in range(40):
+        page.tab.keyboard.press("Tab")
+        outline, name = page.tab.evaluate(
+            "[getComputedStyle(document.activeElement).outlineStyle, document.activeElement.id"
+            " || document.activeElement.getAttribute('role') || document.activeElement.getAttribute('aria-label')"
+            " || document.activeElement.textContent]"
+        )
+        if name.startswith("Keys"):
+            break
+        assert outline == "solid", name
+        reached.append(name)
+    expected = [
+        "theme",
+        "Ranges in numbers",
+        "grid",
+        "Leave out run 0",
+        "Leave out run 1",
+        "play",
+        "slider",
+        "tilt",
+        "log",
+    ]
+    assert [name for name in reached if name in expected] == expected
+    page.close()
+
+
+def test_without_what_it_needs_the_page_says_what_that_is(chromium: Any, one: tuple[xr.Dataset, Path]) -> None:
+    tab = chromium.new_page()
+    tab.add_init_script("delete window.DecompressionStream")
+    tab.goto(one[1].as_uri())
+    tab.get_by_role("alert").wait_for()
+    assert "It needs Chrome or Edge 80, Firefox 113, Safari 16.4, or later." in tab.locator("main").inner_text()
+    assert tab.locator("main button:visible, main canvas:visible").count() == 0
+    tab.close()
+    tab = chromium.new_page(java_script_enabled=False)
+    tab.goto(one[1].as_uri())
+    assert "JavaScript, which is switched off here" in tab.locator("noscript").inner_text()
+    assert not tab.locator("main").is_visible()
+    tab.close()
 
 
 def test_runs_of_different_grids_lie_over_each_other(chromium: Any, tmp_path: Path) -> None:

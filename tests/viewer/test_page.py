@@ -83,18 +83,70 @@ def test_blocks_of_runs_give_what_each_alone_gives(tmp_path: Path, monkeypatch: 
     assert written(data, tmp_path) == together
 
 
+def cells_of(head: dict[str, Any], arrays: dict[str, np.ndarray], x: np.ndarray) -> np.ndarray:
+    """The cells of the grid that a run on the page has, as the page finds them."""
+    places = np.r_[0, np.cumsum(np.rint(arrays["gap"]))]
+    at = head["x"][0] + (head["x"][1] - head["x"][0]) * places / places[-1]
+    cells = np.abs(x[:, None] - at).argmin(axis=0)
+    np.testing.assert_allclose(x[cells], at, rtol=0, atol=1e-9)
+    return np.asarray(cells)
+
+
 def test_cells_are_thinned_to_the_size_and_the_page_knows_it(tmp_path: Path) -> None:
     data = collapse(cells=20_000, snapshots=30)
     large, small = (written(data, tmp_path, max_size=size) for size in (20e6, 250_000))
     head, arrays = unpacked(small, "run-0")
     assert len(small) <= 250_000 < len(large)
     assert head["stride"] > unpacked(large, "run-0")[0]["stride"] > 1
-    x = np.linspace(head["x"][0], head["x"][1], head["cells"])
-    cells = [int(np.abs(data["x"].values - place).argmin()) for place in x]
-    np.testing.assert_allclose(data["x"].values[cells], x, rtol=0, atol=1e-9)
-    assert set(np.diff(cells)) == {head["stride"]}
+    cells = cells_of(head, arrays, data["x"].values)
+    assert cells.size == head["cells"] < 2 * 20_000 / head["stride"]
+    assert np.diff(cells).max() == head["stride"]
     step = head["arrays"]["h"]["step"]
     np.testing.assert_allclose(arrays["h"], data["h"].values[0][:, cells], rtol=0, atol=0.51 * step)
+
+
+def test_of_a_thinned_run_fronts_and_peaks_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data = collapse(cells=20_000, snapshots=7)
+    for instant in range(7):  # a spike, and a front, each of one cell
+        data["h"][0, instant, 1000 + 13 * instant] = 0.3
+        data["v"][0, instant, 1500 + 17 * instant] = -40.0
+        data["h"][0, instant, 19_001 + 11 * instant] = 0.02
+        data["phi"][0, instant, 19_001 + 11 * instant] = 0.5
+    whole = written(data, tmp_path)
+    head, arrays = unpacked(whole, "run-0")
+    cells = cells_of(head, arrays, data["x"].values)
+    assert head["stride"] > 5
+    for instant in range(7):
+        mass = np.flatnonzero(thick(data).values[0, instant])
+        expected = (mass[0], mass[-1] - 1 + 1, mass[-1] + 1, 1000 + 13 * instant, 1500 + 17 * instant)
+        assert set(expected) <= set(cells.tolist())
+        assert arrays["h"][instant].max() == pytest.approx(0.3, rel=1e-4)
+        assert np.nanmin(arrays["v"][instant]) == pytest.approx(-40.0, rel=1e-4)
+    monkeypatch.setattr(profiles, "AT_ONCE", 1000)
+    assert re.sub(r'id="head".*', "", written(data, tmp_path)) == re.sub(r'id="head".*', "", whole)
+
+
+def test_of_many_samples_the_largest_and_the_least_stay(tmp_path: Path) -> None:
+    data = collapse(samples=5000)
+    data["h_max"][0, 1234] = 0.7
+    data["volume_change"][0, 4321] = -0.5
+    head, arrays = unpacked(written(data, tmp_path), "run-0")
+    assert 1000 < len(head["series_time"]) < 1020
+    assert arrays["h_max"].max() == pytest.approx(0.7)
+    assert arrays["volume_change"].min() == pytest.approx(-0.5)
+    place = int(arrays["h_max"].argmax())
+    assert head["series_time"][place] == data["series_time"].values[1234]
+    assert head["thinned"]["samples"] == f"{len(head['series_time'])} of 5000"
+
+
+@pytest.mark.parametrize("empty", ["time", "series_time"])
+def test_files_without_snapshots_or_series_have_a_page(tmp_path: Path, empty: str) -> None:
+    data = batch(column__phi=[0.55, 0.58, 0.6]).isel({empty: slice(0)})
+    data["status"] = "run", np.zeros(3, dtype=int), {"flag_values": np.array([0]), "flag_meanings": "ok"}
+    data.to_netcdf(tmp_path / "a.h5", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "a.h5", engine="h5netcdf") as opened:
+        html = written(opened, tmp_path)
+    assert [len(unpacked(html, f"run-{run}")[0][empty]) for run in range(3)] == [0, 0, 0]
 
 
 def test_runs_are_left_out_evenly_where_not_all_fit(tmp_path: Path) -> None:
@@ -102,7 +154,7 @@ def test_runs_are_left_out_evenly_where_not_all_fit(tmp_path: Path) -> None:
     html = written(data, tmp_path, max_size=200_000)
     rows = sorted(int(row) for row in re.findall(r'id="run-(\d+)"', html))
     assert len(html) <= 200_000 and 10 < len(rows) < 200
-    assert np.diff([*rows, 199]).max() <= 2 * 200 / len(rows) + 1
+    assert np.diff([*rows, 199]).max() <= 4 * 200 / len(rows)
     head = head_of(html)
     assert (head["shown"], head["rows"], head["runs"]) == (len(rows), 200, 200)
     assert unpacked(html, "table-data")[0]["run"] == list(range(200))
@@ -143,6 +195,23 @@ def test_files_that_differ_in_a_key_have_a_column_of_it(tmp_path: Path) -> None:
     (column,) = (column for column in table["columns"] if column["kind"] == "key")
     assert (column["name"], column["values"]) == ("slope.angle", [22.0, 10.0])
     assert table["file"] == [0, 1]
+
+
+def test_how_results_are_written_out_is_no_parameter(tmp_path: Path) -> None:
+    a, b = collapse(), collapse()
+    b.attrs["case_toml"] = b.attrs["case_toml"].replace("end = 0.9", "snapshots = { every = 0.1 }\nend = 0.9")
+    b.attrs["case_toml"] = b.attrs["case_toml"].replace("gravity = 9.81", 'gravity = 9.81\nbed = "bed.csv"')
+    table = unpacked(written({"a.h5": a, "b.h5": b}, tmp_path), "table-data")[0]
+    (column,) = (column for column in table["columns"] if column["kind"] == "key")
+    assert (column["name"], column["words"]) == ("slope.bed", ["none", "bed.csv"])
+
+
+def test_rounding_is_no_outcome(tmp_path: Path) -> None:
+    data = batch(column__phi=[0.55, 0.6])
+    data["dilation_max"][0] = 7e-15
+    columns = unpacked(written(data, tmp_path), "table-data")[0]["columns"]
+    (values,) = (column["values"] for column in columns if column["name"] == "dilation_max")
+    assert values[0] == 0.0 < values[1]
 
 
 @pytest.mark.slow

@@ -68,6 +68,7 @@ class Batch {
   update(shown) {
     this.shown = shown;
     this.list = this.ordered();
+    this.cursor = Math.max(0, Math.min(this.cursor, this.list.length - 1));
     const [kept, all] = [this.list.length, this.rows.length];
     document.getElementById("counted").textContent = kept < all ? `${kept} of ${all} runs` : `${all} runs`;
     this.drawParallel();
@@ -180,17 +181,18 @@ class Batch {
       pen.fillRect(x - 7, high, 14, Math.max(2, low - high));
       pen.globalAlpha = 1;
     }
-    pen.textAlign = "left";
     pen.textBaseline = "middle";
     pen.lineWidth = 3;
     pen.strokeStyle = colour("paper");
     pen.fillStyle = colour("text");
-    for (const [share, text] of column.marks()) {
-      const y = this.foot - share * (this.foot - 12);
-      pen.strokeText(text, x + 6, y);
-      pen.fillText(text, x + 6, y);
+    const marks = column.marks().map(([share, text]) => [this.foot - share * (this.foot - 12), text]);
+    if (column.gaps) marks.push([this.foot + 16, "none"]);
+    for (const [y, text] of marks) {
+      const fits = x + 6 + pen.measureText(text).width <= this.sheet.width;
+      pen.textAlign = fits ? "left" : "right";
+      pen.strokeText(text, x + (fits ? 6 : -6), y);
+      pen.fillText(text, x + (fits ? 6 : -6), y);
     }
-    if (column.gaps) pen.fillText("none", x + 6, this.foot + 16);
   }
 
   pickLine(x, y, add) {
@@ -256,9 +258,10 @@ class Batch {
       head.append(make("th", { scope: "col", "data-name": name, className: column.numeric === false || name === "status" || name === "file" ? "left" : "" }, button));
     }
     this.body = make("tbody");
-    this.box.append(make("table", { role: "presentation" }, make("thead", {}, head), this.body));
+    this.grid = make("table", { role: "grid", tabIndex: 0, "aria-label": "Runs", "aria-multiselectable": "true" }, make("thead", {}, head), this.body);
+    this.box.append(this.grid);
     this.box.addEventListener("scroll", () => this.drawRows());
-    this.box.addEventListener("keydown", (event) => this.key(event));
+    this.grid.addEventListener("keydown", (event) => this.key(event));
     this.body.addEventListener("click", (event) => {
       const row = event.target.closest("tr[data-row]");
       if (!row) return;
@@ -269,14 +272,14 @@ class Batch {
 
   key(event) {
     const move = { ArrowUp: -1, ArrowDown: 1, PageUp: -8, PageDown: 8 }[event.key];
-    if (event.target !== this.box) return;
+    if (event.target !== this.grid) return;
     if (move) {
       this.cursor = Math.min(this.list.length - 1, Math.max(0, this.cursor + move));
       const [top, high] = [this.cursor * ROW_HEIGHT, this.box.clientHeight - 3 * ROW_HEIGHT];
       if (top < this.box.scrollTop) this.box.scrollTop = top;
       if (top > this.box.scrollTop + high) this.box.scrollTop = top - high;
       this.drawRows();
-    } else if (event.key === "Enter" || event.key === "+") {
+    } else if (["Enter", "+"].includes(event.key) && this.list.length) {
       this.pick(this.list[this.cursor], event.key === "+");
     } else {
       return;
@@ -300,14 +303,15 @@ class Batch {
       if (th.dataset.name === this.sort) th.setAttribute("aria-sort", this.down ? "descending" : "ascending");
       else th.removeAttribute("aria-sort");
     }
-    this.box.setAttribute("aria-rowcount", this.list.length);
-    this.box.setAttribute("aria-activedescendant", `row-${this.list[this.cursor]}`);
+    this.grid.setAttribute("aria-rowcount", this.list.length + 1);
+    if (last > this.cursor && this.cursor >= first) this.grid.setAttribute("aria-activedescendant", `row-${this.list[this.cursor]}`);
+    else this.grid.removeAttribute("aria-activedescendant");
   }
 
   row(row, place) {
     const shown = this.shown.get(row);
     const absent = !document.getElementById(`run-${row}`);
-    const add = make("button", { type: "button", tabIndex: -1, className: "add", "aria-pressed": Boolean(shown), "aria-label": "show beside the others" }, shown ? "\u25cf" : "+");
+    const add = make("button", { type: "button", tabIndex: -1, className: "add", "aria-pressed": Boolean(shown), "aria-label": `show ${this.name(row)} beside the others` }, shown ? "\u25cf" : "+");
     if (shown) add.style.color = shown.style;
     const cells = [make("td", {}, add)];
     for (const [name, column] of this.heads) {
@@ -315,7 +319,7 @@ class Batch {
       cells.push(make("td", { className: left ? "left" : "" }, ...this.cell(row, name, column)));
     }
     const classes = [shown ? "shown" : "", absent ? "absent" : "", place === this.cursor ? "cursor" : ""].join(" ");
-    return make("tr", { id: `row-${row}`, "data-row": row, role: "row", "aria-selected": Boolean(shown), className: classes, title: absent ? "its profiles are not in this page" : "" }, ...cells);
+    return make("tr", { id: `row-${row}`, "data-row": row, "aria-rowindex": place + 2, "aria-selected": Boolean(shown), className: classes, title: absent ? "its profiles are not in this page" : "" }, ...cells);
   }
 
   cell(row, name, column) {
@@ -342,7 +346,8 @@ class Column {
     this.at = this.numeric ? column.values.map((v) => (v === null ? NaN : v)) : column.words.map((w) => this.levels.indexOf(w));
     this.gaps = this.at.some(Number.isNaN);
     const [low, high] = this.numeric ? extent([this.at]) : [-0.5, this.levels.length - 0.5];
-    this.range = low < high ? [low, high] : [low - 0.5, high + 0.5];
+    this.single = !(low < high);
+    this.range = this.single ? [low - 0.5, high + 0.5] : [low, high];
   }
 
   share(value) {
@@ -364,7 +369,8 @@ class Column {
   marks() {
     if (!this.numeric) return this.levels.map((word, i) => [this.share(i), word]);
     const middle = this.value(0.5);
-    const text = (v) => minus(String(Number(v.toPrecision(3))));
-    return [[0, text(this.range[0])], [0.5, text(middle)], [1, text(this.range[1])]];
+    const [low, high] = this.range;
+    const text = (v) => minus(String(Number((Math.abs(v) < 1e-9 * (high - low) ? 0 : v).toPrecision(3))));
+    return this.single ? [[0.5, text(middle)]] : [[0, text(low)], [0.5, text(middle)], [1, text(high)]];
   }
 }

@@ -25,23 +25,34 @@ function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-// Numbers at even distances that are easy to read, and how many decimals they need.
+// Numbers at even distances that are easy to read, and how they are written.
 function ticks(low, high, most) {
   const raw = (high - low) / Math.max(1, most);
-  if (!(raw > 0) || !Number.isFinite(raw)) return { at: [low], text: (v) => short(v) };
+  if (!(raw > 0) || !Number.isFinite(raw)) return { at: [low], text: short };
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw * 0.999);
+  const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw * 0.8);
   const first = Math.ceil(low / step - 1e-9);
   const last = Math.floor(high / step + 1e-9);
   const at = Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const large = Math.max(Math.abs(low), Math.abs(high));
-  if (large >= 1e5 || decimals > 4) return { at, text: (v) => (v === 0 ? "0" : v.toExponential(1)) };
-  return { at, text: (v) => minus(v.toFixed(decimals)) };
+  if (large < 1e5 && decimals <= 4) return { at, text: (v) => minus(v.toFixed(decimals)) };
+  const digits = Math.min(2, Math.max(0, Math.floor(Math.log10(large)) - Math.floor(Math.log10(step) + 1e-9)));
+  return { at, text: (v) => (v === 0 ? "0" : minus(v.toExponential(digits))) };
+}
+
+// The same for a logarithmic axis: powers of ten, of which some are left out where they are many.
+function decades(low, high, most) {
+  const [first, last] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
+  const every = Math.max(1, Math.ceil((last - first + 1) / Math.max(1, most)));
+  const powers = Array.from({ length: Math.max(0, last - first + 1) }, (_, i) => 10 ** (first + i)).filter((_, i) => i % every === 0);
+  const between = last > first ? [] : [first - 1, first].flatMap((n) => [2 * 10 ** n, 5 * 10 ** n]);
+  const at = [...new Set([...powers, ...between])].filter((v) => v >= low && v <= high).sort((a, b) => a - b);
+  return { at, text: short };
 }
 
 function minus(text) {
-  return text.replace("-", "\u2212");
+  return text.replaceAll("-", "\u2212");
 }
 
 // Four digits, as %.4g.
@@ -108,7 +119,7 @@ class Chart {
     canvas.addEventListener("pointerleave", () => actions.point(null));
   }
 
-  // across, up: ranges; lines: x, y, colour, dash, and floor where they are filled; cursor: x; level: y
+  // across, up: ranges; log: of up; lines: x, y, colour, dash, and floor where they are filled; cursor: x; level: y
   show(content) {
     this.content = content;
     this.draw();
@@ -117,13 +128,15 @@ class Chart {
   draw() {
     if (!this.content) return;
     const pen = this.sheet.begin();
-    const { across, up, lines, cursor, level } = this.content;
+    const { across, up, log, lines, cursor, level } = this.content;
     const { left, right, top, bottom } = this.margin;
     const w = this.sheet.width - left - right;
     const h = this.sheet.height - top - bottom;
     if (w < 20) return;
     const px = (x) => left + ((x - across[0]) / (across[1] - across[0] || 1)) * w;
-    const py = (y) => top + h - ((y - up[0]) / (up[1] - up[0] || 1)) * h;
+    const scale = log ? (y) => (y > 0 ? Math.log(y) : NaN) : (y) => y;
+    const [foot, head] = up.map(scale);
+    const py = (y) => top + h - ((scale(y) - foot) / (head - foot || 1)) * h;
     this.axes(pen, { px, py, w, h });
     pen.save();
     pen.beginPath();
@@ -136,12 +149,12 @@ class Chart {
   }
 
   axes(pen, { px, py, w, h }) {
-    const { across, up } = this.content;
+    const { across, up, log } = this.content;
     const { left, top } = this.margin;
     pen.fillStyle = colour("quiet");
     pen.textAlign = "right";
     pen.textBaseline = "middle";
-    const vertical = ticks(up[0], up[1], Math.max(2, Math.floor(h / 36)));
+    const vertical = (log ? decades : ticks)(up[0], up[1], Math.max(2, Math.floor(h / 28)));
     for (const y of vertical.at) {
       stroke(pen, [[left, py(y)], [left + w, py(y)]], colour("grid"), 1);
       pen.fillText(vertical.text(y), left - 6, py(y));
@@ -169,24 +182,25 @@ function stroke(pen, points, style, width, dash = []) {
   pen.setLineDash([]);
 }
 
-// A line that leaves a gap where there is no number; one number alone is a dot.
+// A line that leaves a gap where there is no number, or none that its axis has; one number alone is a dot.
 function drawLine(pen, { x, y, floor, style, dash }, px, py) {
+  const high = Float64Array.from(y, py);
   pen.strokeStyle = pen.fillStyle = style;
   pen.lineWidth = 1.6;
   let start = 0;
-  while (start < y.length) {
-    if (!Number.isFinite(y[start])) {
+  while (start < high.length) {
+    if (!Number.isFinite(high[start])) {
       start += 1;
       continue;
     }
     let end = start;
-    while (end + 1 < y.length && Number.isFinite(y[end + 1])) end += 1;
+    while (end + 1 < high.length && Number.isFinite(high[end + 1])) end += 1;
     pen.beginPath();
-    for (let i = start; i <= end; i += 1) pen.lineTo(px(x[i]), py(y[i]));
+    for (let i = start; i <= end; i += 1) pen.lineTo(px(x[i]), high[i]);
     pen.setLineDash(dash);
     pen.stroke();
     pen.setLineDash([]);
-    if (start === end) pen.fillRect(px(x[start]) - 1.5, py(y[start]) - 1.5, 3, 3);
+    if (start === end) pen.fillRect(px(x[start]) - 1.5, high[start] - 1.5, 3, 3);
     if (floor) {
       for (let i = end; i >= start; i -= 1) pen.lineTo(px(x[i]), py(floor[i]));
       pen.globalAlpha = 0.14;
@@ -197,9 +211,9 @@ function drawLine(pen, { x, y, floor, style, dash }, px, py) {
   }
 }
 
-// A range with a little air, at least `span` wide, that holds a reference level where it is near.
+// A range with a little air, at least `span` wide, and wide enough that rounding is no signal.
 function roomy([low, high], span, zero = false) {
-  const wide = Math.max(high - low, span, 1e-12 * Math.max(Math.abs(low), Math.abs(high)), 1e-300);
+  const wide = Math.max(high - low, span, 0.02 * Math.max(Math.abs(low), Math.abs(high))) || 1;
   const middle = (low + high) / 2;
   const half = (wide / 2) * 1.08;
   return zero ? [0, Math.max(high * 1.08, wide)] : [middle - half, middle + half];

@@ -30,7 +30,7 @@ class Flow {
     let low = 0;
     for (const { run, h, style, dash } of layers) {
       const x = run.x.map((v) => v * position.factor);
-      const floor = run.arrays.bed.map((v) => v * panel.factor);
+      const floor = run.bed.map((v) => v * panel.factor);
       const [least, most] = extent([floor]);
       low = Math.min(low, least);
       tops.push(most + run.deepest * panel.factor);
@@ -58,7 +58,7 @@ class Flow {
       const ys = [];
       for (const { run, cos, sin } of places) {
         run.x.forEach((s, i) => {
-          for (const n of [run.arrays.bed[i], run.arrays.bed[i] + run.envelope[i]]) {
+          for (const n of [run.bed[i], run.bed[i] + run.envelope[i]]) {
             xs.push(s * cos + times * n * sin);
             ys.push(-s * sin + times * n * cos);
           }
@@ -84,16 +84,16 @@ class Flow {
       const Y = y1 - (py - TILTED_PAD + 10) / scale;
       return X * first.cos - Y * first.sin;
     };
-    const grounds = new Set();
+    const beds = places.map((place) => Array.from(place.run.x, (s, k) => point(place, s, place.run.bed[k])));
+    const same = (a, b) => a.length === b.length && a.every(([x, y], k) => x === b[k][0] && y === b[k][1]);
+    beds.forEach((bed, i) => {
+      if (!beds.slice(0, i).some((other) => same(other, bed))) this.ground(pen, places[i], bed);
+    });
     this.layers.forEach(({ run, h, style, dash }, i) => {
-      const place = places[i];
-      const bed = Array.from(run.x, (s, k) => point(place, s, run.arrays.bed[k]));
-      const key = `${run.angle} ${run.x[0]} ${run.x[run.x.length - 1]}`;
-      if (!grounds.has(key)) this.ground(pen, place, bed);
-      grounds.add(key);
-      const top = Array.from(run.x, (s, k) => point(place, s, run.arrays.bed[k] + (h[k] || 0)));
+      const [place, bed] = [places[i], beds[i]];
+      const top = Array.from(run.x, (s, k) => point(place, s, run.bed[k] + (h[k] || 0)));
       pen.beginPath();
-      for (const [x, y] of [...top, ...bed.reverse()]) pen.lineTo(x, y);
+      for (const [x, y] of [...top, ...[...bed].reverse()]) pen.lineTo(x, y);
       pen.fillStyle = style;
       pen.globalAlpha = this.layers.length === 1 ? 0.3 : 0.14;
       pen.fill();
@@ -103,7 +103,7 @@ class Flow {
     this.numbers(pen, first, point);
     if (this.cursor !== null) {
       const run = first.run;
-      const b = run.arrays.bed[Math.round((this.cursor - run.x[0]) / (run.spacing || 1))] || 0;
+      const b = run.bed[nearest(run.x, this.cursor)];
       stroke(pen, [point(first, this.cursor, b), point(first, this.cursor, b + 1.1 * deepest)], colour("cursor"), 1);
     }
     return times;
@@ -129,8 +129,7 @@ class Flow {
     pen.textAlign = "center";
     pen.textBaseline = "top";
     for (const at of marks.at) {
-      const k = Math.min(run.x.length - 1, Math.max(0, Math.round((at / factor - run.x[0]) / (run.spacing || 1))));
-      const [x, y] = point(place, at / factor, run.arrays.bed[k]);
+      const [x, y] = point(place, at / factor, run.bed[nearest(run.x, at / factor)]);
       stroke(pen, [[x, y], [x - 11 * sin, y + 11 * cos]], colour("quiet"), 1);
       pen.fillText(marks.text(at), x - 14 * sin, y + 10 * cos + 3);
     }

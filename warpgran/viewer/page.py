@@ -41,6 +41,7 @@ TAG = 80
 """Bytes of the page around the profiles of a run."""
 FOR_UNITS = 200
 """Runs that choose the units of lengths, at most."""
+SPEED = Panel("v_flow", "max. speed $|v|$", "m/s", reference="time.rest_speed")
 MORE_PROFILES = (Panel("mu", r"friction $\mu$", "-"), Panel("I", "inertial number $I$", "-"))
 MORE_SERIES = (
     Panel("front_speed", r"front speed $\dot{x}_\mathrm{f}$", "m/s"),
@@ -49,6 +50,10 @@ MORE_SERIES = (
     Panel("energy", r"energy per width and density", "m⁴/s²"),
     Panel("outflow", "solid that has left", "%", factor=100.0, span=0.1),
 )
+LOGARITHMIC = {"I", "v_flow", "front_speed", "v_max"}
+"""Panels whose axis is logarithmic, unless the reader says otherwise."""
+TAILS = {"phi", "psi", "mu", "I"}
+"""Profiles that a thin front takes far from all others: their axes hold 99 % of their values."""
 
 
 @dataclass
@@ -154,6 +159,7 @@ def _write(page: View, part: Path, max_size: float) -> None:
 
 def _head(page: View, lengths: Lengths) -> dict[str, Any]:
     """What the page knows of all runs together: titles, labels, units, colours."""
+    first = [SPEED if panel.name == "v_flow" else panel for panel in SERIES_PANELS]
     titles = [parameter(data, "title", "").values.ravel()[:1].tolist() for data in page.results.values()]
     return {
         "title": " / ".join(dict.fromkeys(printable(str(text)) for (text,) in titles if text)),
@@ -163,7 +169,7 @@ def _head(page: View, lengths: Lengths) -> dict[str, Any]:
         "colours": COLOURS[:4],
         "position": _panel(POSITION.of(lengths)),
         "profiles": [_panel(panel.of(lengths)) for panel in (*PROFILE_PANELS, *MORE_PROFILES)],
-        "series": [_panel(panel.of(lengths)) for panel in (*SERIES_PANELS, *MORE_SERIES)],
+        "series": [_panel(panel.of(lengths)) for panel in (*first, *MORE_SERIES)],
         "first_series": len(SERIES_PANELS),
     }
 
@@ -172,7 +178,7 @@ def _panel(panel: Panel) -> dict[str, Any]:
     reference = panel.reference.rpartition(".")[2] if isinstance(panel.reference, str) else panel.reference
     return {
         "name": panel.name, "label": pieces(panel.words), "unit": panel.unit, "factor": panel.factor,
-        "span": panel.span, "reference": reference,
+        "span": panel.span, "reference": reference, "log": panel.name in LOGARITHMIC, "tails": panel.name in TAILS,
     }  # fmt: skip
 
 

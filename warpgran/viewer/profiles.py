@@ -1,5 +1,9 @@
 """What the page holds of each run: its profiles at the snapshots, on a share of its cells, and its series.
 
+Of a long grid every second, third, ... cell is taken, and those without which a profile would be another one: of each
+snapshot where the mass begins and ends, and where it is thickest and fastest. Nothing is a mean: what is read on the
+page is a number of the file.
+
 Runs are read in blocks; of a large run no more than some snapshots are in memory at once.
 """
 
@@ -23,7 +27,10 @@ MASS_ALONE = PROFILES[1:]
 SERIES = (
     "front", "h_max", "v_flow", "volume_change", "front_speed", "v_max", "mass", "energy", "outflow",
 )  # fmt: skip
-FACTS = {"angle": "slope.angle", "phi_stat": "rheology.phi_stat", "h_front": "scheme.h_front"}
+FACTS = {
+    "angle": "slope.angle", "phi_stat": "rheology.phi_stat", "h_front": "scheme.h_front",
+    "rest_speed": "time.rest_speed",
+}  # fmt: skip
 """Parameters that the page draws with."""
 MOST_SNAPSHOTS = 500
 MOST_SAMPLES = 1000
@@ -39,11 +46,13 @@ class Wet:
 
     Attributes:
         ever: cells that are in it at any snapshot, shape (run, x).
+        marks: cells that are kept for what happens in them, -1 for none, shape (run, mark).
         computed: snapshots that a run reached, shape (run, time).
         deepest: largest thickness [m], shape (run,).
     """
 
     ever: np.ndarray
+    marks: np.ndarray
     computed: np.ndarray
     deepest: Array
 
@@ -54,6 +63,19 @@ class Wet:
             return np.arange(grid)
         margin = max(2, round(0.04 * (found[-1] - found[0])))
         return np.arange(max(0, found[0] - margin), min(grid, found[-1] + margin + 1))
+
+    def chosen(self, run: int, grid: int, most: int) -> tuple[np.ndarray, int]:
+        """The cells of a run that the page holds, and how many of the grid stand for one that is taken evenly.
+
+        At least half of `most` are taken evenly; those that are kept for what happens in them come on top.
+        """
+        cells = self.cells(run, grid)
+        if cells.size <= most:
+            return cells, 1
+        kept = np.unique(self.marks[run])
+        kept = kept[(kept >= cells[0]) & (kept <= cells[-1])]
+        stride = -(-cells.size // max(most - kept.size, most // 2))
+        return np.union1d(cells[::stride], kept), stride
 
 
 def runs_at_once(data: xr.Dataset) -> int:
@@ -70,21 +92,18 @@ def packed_runs(data: xr.Dataset, rows: Sequence[int], most_cells: int) -> list[
         most_cells: most cells of a profile.
     """
     instants = _even(data.sizes["time"], MOST_SNAPSHOTS)
-    samples = _even(data.sizes["series_time"], MOST_SAMPLES)
     parts = list(_in_parts(data.isel(time=instants)))
     wet = _wet(parts)
     x, bed = _of_grids(data, "x"), _of_grids(data, "bed")
     grids = np.isfinite(x).sum(axis=1).tolist()
-    cells = [wet.cells(run, grid) for run, grid in enumerate(grids)]
-    strides = [max(1, -(-every.size // most_cells)) for every in cells]
-    cells = [every[::stride] for every, stride in zip(cells, strides, strict=True)]
-    alone = slice(int(cells[0][0]), int(cells[0][-1]) + 1, strides[0]) if len(rows) == 1 else slice(None)
-    fields = _fields(parts, alone)
-    series = {name: data[name].transpose("run", "series_time").values[:, samples].astype(float) for name in SERIES}
+    chosen = [wet.chosen(run, grid, most_cells) for run, grid in enumerate(grids)]
+    fields = _fields(parts, chosen[0][0] if len(rows) == 1 else None)
+    series = {name: data[name].transpose("run", "series_time").values.astype(float) for name in SERIES}
     facts = {key: _of_runs(data, name) for key, name in FACTS.items()}
     texts = []
     for run, row in enumerate(rows):
-        here, reached = cells[run], wet.computed[run]
+        (here, stride), reached = chosen[run], wet.computed[run]
+        samples = _samples([values[run] for values in series.values()])
         packing = Packing(
             {
                 "row": row,
@@ -92,7 +111,7 @@ def packed_runs(data: xr.Dataset, rows: Sequence[int], most_cells: int) -> list[
                 "series_time": data["series_time"].values[samples].tolist(),
                 "x": [float(x[run, here[0]]), float(x[run, here[-1]])],
                 "cells": int(here.size),
-                "stride": strides[run],
+                "stride": stride,
                 "grid": grids[run],
                 "thinned": {
                     "snapshots": _share(instants, data.sizes["time"]),
@@ -102,11 +121,13 @@ def packed_runs(data: xr.Dataset, rows: Sequence[int], most_cells: int) -> list[
                 **{key: float(values[run]) for key, values in facts.items()},
             }
         )
+        if stride > 1:
+            packing.add("gap", np.diff(here).astype(float))
         packing.add("bed", bed[run, here])
         for name, values in fields.items():
             packing.add(name, values[run][reached][:, slice(None) if len(rows) == 1 else here])
         for name, values in series.items():
-            packing.add(name, values[run])
+            packing.add(name, values[run, samples])
         texts.append(packing.text())
     return texts
 
@@ -119,6 +140,13 @@ def _share(chosen: np.ndarray, size: int) -> str:
 def _even(size: int, most: int) -> np.ndarray:
     """At most so many of the numbers 0 to size - 1, evenly spread, the first and the last among them."""
     return np.arange(size) if size <= most else np.linspace(0, size - 1, most).round().astype(int)
+
+
+def _samples(series: Sequence[Array]) -> np.ndarray:
+    """At most so many samples, evenly spread, and beside them the least and the largest value of each series."""
+    even = _even(series[0].size, MOST_SAMPLES)
+    finite = [np.where(np.isfinite(values), values, np.nan) for values in series if np.isfinite(values).any()]
+    return np.union1d(even, [f(values) for values in finite for f in (np.nanargmin, np.nanargmax)]).astype(int)
 
 
 def _of_runs(data: xr.Dataset, key: str) -> Array:
@@ -134,8 +162,11 @@ def _of_grids(data: xr.Dataset, name: str) -> Array:
 
 def _in_parts(data: xr.Dataset) -> Iterator[xr.Dataset]:
     """Groups of snapshots that are small enough to read at once; in memory already if there is but one."""
-    others = set(data.data_vars) - {"h", "v", "phi"}
-    fields = data.drop_vars(others)
+    names = {"h", "v", "phi"}
+    fields = data.drop_vars(set(data.data_vars) - names)
+    if not data.sizes["time"]:  # of a file no numbers can be read where there are none
+        yield fields.assign({name: (data[name].dims, np.empty(data[name].shape)) for name in names})
+        return
     together = max(1, AT_ONCE // (data.sizes["run"] * data.sizes[along(data)]))
     if data.sizes["time"] <= together:
         yield fields.load()
@@ -148,20 +179,43 @@ def _wet(parts: Sequence[xr.Dataset]) -> Wet:
     """Where the mass is, part by part."""
     found = []
     for part in parts:
-        held = part.drop_vars("v").compute()  # not load, by which the part would keep it
-        h = held["h"].transpose("run", "time", ...).values
+        held = part.compute()  # not load, by which the part would keep it
+        h, v = (held[name].transpose("run", "time", ...).values for name in ("h", "v"))
         mass = thick(held).transpose("run", "time", ...).values
         finite = np.isfinite(h)
-        found.append((mass.any(axis=1), finite.any(axis=2), np.max(h, axis=(1, 2), where=finite, initial=0.0)))
-    ever, computed, deepest = zip(*found, strict=True)
-    return Wet(np.any(ever, axis=0), np.concatenate(computed, axis=1), np.max(deepest, axis=0))
+        deepest = np.max(h, axis=(1, 2), where=finite, initial=0.0)
+        found.append((mass.any(axis=1), _marks(mass, h, v), finite.any(axis=2), deepest))
+    ever, marks, computed, deepest = zip(*found, strict=True)
+    return Wet(
+        np.any(ever, axis=0), np.concatenate(marks, axis=1), np.concatenate(computed, axis=1), np.max(deepest, axis=0)
+    )
 
 
-def _fields(parts: Sequence[xr.Dataset], cells: slice) -> dict[str, np.ndarray]:
-    """Each profile at some cells, shape (run, time, cells)."""
+def _marks(mass: np.ndarray, h: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Cells at the ends of the mass, on both sides of each, and where it is thickest and fastest.
+
+    Args:
+        mass: whether a cell is in it, shape (run, time, x).
+        h: thickness, of the same shape.
+        v: velocity, of the same shape.
+
+    Returns:
+        Numbers of cells, -1 where there is no mass, shape (run, 6 time).
+    """
+    if not mass.shape[1]:
+        return np.zeros((len(mass), 0), dtype=int)
+    rear, front = mass.argmax(axis=2), mass.shape[2] - 1 - mass[..., ::-1].argmax(axis=2)
+    peaks = [np.where(mass & np.isfinite(size), size, -1.0).argmax(axis=2) for size in (h, np.abs(v))]
+    marks = np.stack([rear - 1, rear, front, front + 1, *peaks])
+    return np.concatenate(np.where(mass.any(axis=2), marks, -1), axis=1)
+
+
+def _fields(parts: Sequence[xr.Dataset], cells: np.ndarray | None) -> dict[str, np.ndarray]:
+    """Each profile, at some cells or at all, shape (run, time, cells)."""
     found: dict[str, list[np.ndarray]] = {name: [] for name in PROFILES}
     for part in parts:
-        here = part.isel({along(part): cells}).load()
+        here = part.compute() if len(parts) > 1 else part
+        here = here if cells is None else here.isel({along(part): cells})
         here = (
             here.assign(derive(here, "psi", "mu", "I"))
             if here.sizes["time"]

@@ -24,6 +24,8 @@ OUTCOMES = (
     Panel("stop_time", r"stop time $t_\mathrm{stop}$", "s"),
     Panel("dilation_max", r"max. dilation $\Delta V/V_0$", "%", factor=100.0),
 )
+NO_PARAMETER = {*FOLLOWS, "time.snapshots", "time.series"}
+"""Keys that files need not share: they follow from others as their default, or say what is written out."""
 
 
 def table(results: Mapping[str, xr.Dataset], lengths: Lengths) -> dict[str, Any]:
@@ -56,10 +58,10 @@ def table(results: Mapping[str, xr.Dataset], lengths: Lengths) -> dict[str, Any]
 
 
 def _keys(results: Sequence[xr.Dataset]) -> list[Key]:
-    """The keys in which the runs of all results differ, without those that follow from others as their default."""
+    """The keys in which the runs of all results differ, without those that are no parameter of the flow."""
     names = dict.fromkeys(key.name for data in results for key in varied_keys(data))
     if len(results) > 1:
-        names |= dict.fromkeys(name for name in KEYS if name not in FOLLOWS and _differs(results, name))
+        names |= dict.fromkeys(name for name in KEYS if name not in NO_PARAMETER and _differs(results, name))
     columns = {name: np.concatenate([_of_runs(data, name) for data in results]) for name in names}
     return [key for key in (Key(name, values) for name, values in columns.items()) if key.levels.size > 1]
 
@@ -75,18 +77,19 @@ def _of_runs(data: xr.Dataset, name: str) -> np.ndarray:
 
 
 def _key_column(key: Key) -> dict[str, Any]:
-    words = key.words
-    label = f"{words.words} ${words.symbol.strip('$')}$" if words.symbol else words.words
+    named = key.words
+    label = f"{named.words} ${named.symbol.strip('$')}$" if named.symbol else named.words
     column = {
         "name": key.name,
         "kind": "key",
         "label": pieces(label),
-        "unit": words.unit.strip(),
+        "unit": named.unit.strip(),
         "log": key.logarithmic,
     }
     if key.numeric:
         return {**column, "values": _numbers(key.at)}
-    return {**column, "words": [str(key.levels[level]) for level in key.level]}
+    words = [str(key.levels[level]) for level in key.level]
+    return {**column, "words": ["none" if word == "nan" else word for word in words]}
 
 
 def _outcome(panel: Panel, results: Sequence[xr.Dataset]) -> dict[str, Any]:
@@ -94,7 +97,7 @@ def _outcome(panel: Panel, results: Sequence[xr.Dataset]) -> dict[str, Any]:
     label = pieces(panel.words)
     return {
         "name": panel.name, "kind": "outcome", "label": label, "unit": panel.unit, "log": False,
-        "values": _numbers(values),
+        "values": _numbers(np.round(values, 9)),  # below there is rounding alone
     }  # fmt: skip
 
 

@@ -1,9 +1,10 @@
 // The page: which runs are shown, at which time, and how; all of it stands in the address.
 
 const MOST_SHOWN = 4;
+const WRITE_EVERY = 400; // milliseconds between two changes of the address: browsers refuse more than some
 const byId = (id) => document.getElementById(id);
 const head = JSON.parse(byId("head").textContent);
-const state = { rows: [], time: null, tilted: true, place: null, theme: "" };
+const state = { rows: [], time: null, tilted: true, place: null, linear: false, theme: "" };
 const cache = new Map();
 let batch = null;
 let table = null;
@@ -39,7 +40,10 @@ function build() {
   byId("slider").addEventListener("input", (event) => goTo(Number(event.target.value)));
   byId("play").addEventListener("click", play);
   byId("tilt").addEventListener("click", tilt);
+  byId("log").addEventListener("click", bend);
   byId("theme").addEventListener("click", turn);
+  window.addEventListener("beforeprint", () => paint("light"));
+  window.addEventListener("afterprint", () => paint(state.theme));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
   document.addEventListener("keydown", key);
 }
@@ -50,20 +54,26 @@ function panelOf(place, panel, actions) {
   const figure = make("figure", { "data-name": panel.name }, make("figcaption", {}, label(panel.label, panel.unit), values), canvas);
   place.append(figure);
   const chart = new Chart(canvas, 150, actions);
-  chart.sheet.canvas.setAttribute("aria-label", panel.label.map(([text]) => text).join(""));
   return { panel, values, chart };
 }
 
 // ---- the address
 
 let written = "";
+let due = 0;
 
 function remember() {
+  if (!due) due = setTimeout(write, WRITE_EVERY);
+}
+
+function write() {
+  due = 0;
   const parts = new URLSearchParams();
   parts.set("run", state.rows.map((row) => `${table.file[row]}.${table.run[row]}`).join(","));
   if (state.time !== null) parts.set("t", String(Number(state.time.toPrecision(9))));
   if (!state.tilted) parts.set("view", "flat");
   if (state.place !== null) parts.set("x", String(Number(state.place.toPrecision(9))));
+  if (state.linear) parts.set("axes", "linear");
   if (state.theme) parts.set("theme", state.theme);
   if (batch.sort) parts.set("sort", (batch.down ? "-" : "") + batch.sort);
   const keep = Object.entries(batch.keep).map(([name, range]) => [name, ...range.map((v) => Number(v.toPrecision(6)))].join("~"));
@@ -73,15 +83,19 @@ function remember() {
 }
 
 async function restore() {
+  clearTimeout(due);
+  due = 0;
   const parts = new URLSearchParams(location.hash.slice(1));
   const asked = (parts.get("run") || "").split(",").map((name) => {
     const [file, run] = name.split(".").map(Number);
     return table.run.findIndex((r, row) => r === run && table.file[row] === file);
   });
   const rows = asked.filter((row) => row >= 0);
-  state.time = parts.has("t") ? Number(parts.get("t")) : null;
+  const number = (name) => (parts.has(name) && Number.isFinite(Number(parts.get(name))) ? Number(parts.get(name)) : null);
+  state.time = number("t");
   state.tilted = parts.get("view") !== "flat";
-  state.place = parts.has("x") ? Number(parts.get("x")) : null;
+  state.place = number("x");
+  state.linear = parts.get("axes") === "linear";
   state.theme = ["light", "dark"].includes(parts.get("theme")) ? parts.get("theme") : "";
   const sort = parts.get("sort") || "";
   batch.down = sort.startsWith("-");
@@ -89,8 +103,10 @@ async function restore() {
   batch.keep = {};
   for (const item of (parts.get("keep") || "").split(",").filter(Boolean)) {
     const [name, low, high] = item.split("~");
-    if (batch.columns.some((c) => c.name === name)) batch.keep[name] = [Number(low), Number(high)];
+    if (batch.columns.some((c) => c.name === name) && Number(low) <= Number(high)) batch.keep[name] = [Number(low), Number(high)];
   }
+  if (state.theme) document.documentElement.dataset.theme = state.theme;
+  else delete document.documentElement.dataset.theme;
   await show(rows.length ? rows : firstRows());
 }
 
@@ -117,11 +133,13 @@ async function show(rows) {
   if (!wanted.length) return draw();
   state.rows = wanted;
   for (const row of wanted) {
-    if (!cache.has(row)) cache.set(row, await unpackRun(row));
+    if (!cache.has(row)) cache.set(row, await unpackRun(row, head.series.map((panel) => panel.name)));
   }
   if (state.rows !== wanted) return undefined; // another choice came in between
   for (const row of [...cache.keys()].slice(0, -16)) if (!wanted.includes(row)) cache.delete(row);
-  times = [...new Set(wanted.flatMap((row) => cache.get(row).time))].sort((a, b) => a - b);
+  const union = (name) => [...new Set(wanted.flatMap((row) => cache.get(row)[name]))].sort((a, b) => a - b);
+  times = union("time");
+  if (!times.length) times = union("series_time");
   if (!times.length) times = [0];
   const first = state.time === null ? Math.floor((times.length - 1) / 2) : nearest(times, state.time);
   state.time = times[first];
@@ -143,15 +161,26 @@ function now() {
 
 function play() {
   if (playing) {
-    clearInterval(playing);
+    clearTimeout(playing);
     playing = 0;
   } else {
     if (now() === times.length - 1) goTo(0);
-    const wait = Math.min(400, Math.max(40, 8000 / times.length));
-    playing = setInterval(() => (now() < times.length - 1 ? goTo(now() + 1) : play()), wait);
+    tick();
   }
   byId("play").textContent = playing ? "\u2759\u2759" : "\u25b6";
   byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");
+}
+
+// On to the next snapshot after a share of the 8 s, or fewer, that all take: as time passes, however they are spaced.
+function tick() {
+  const last = times.length - 1;
+  const whole = Math.max(40 * last, Math.min(400 * last, 8000));
+  const share = (times[now() + 1] - times[now()]) / (times[last] - times[0]);
+  playing = setTimeout(() => {
+    goTo(now() + 1);
+    if (now() < last) tick();
+    else play();
+  }, whole * share || 0);
 }
 
 // x in metres, null where the pointer has left.
@@ -171,13 +200,27 @@ function tilt() {
   draw();
 }
 
+// Speeds and inertial numbers on logarithmic axes, or on linear ones.
+function bend() {
+  state.linear = !state.linear;
+  draw();
+}
+
 function dark() {
-  return state.theme ? state.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  const theme = document.documentElement.dataset.theme;
+  return theme ? theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+}
+
+// In a theme that is not always that of the state: paper is white.
+function paint(theme) {
+  if (theme) document.documentElement.dataset.theme = theme;
+  else delete document.documentElement.dataset.theme;
+  draw();
 }
 
 function turn() {
   state.theme = dark() ? "light" : "dark";
-  draw();
+  paint(state.theme);
 }
 
 function step(by) {
@@ -200,6 +243,7 @@ function key(event) {
     Escape: () => point(null),
     " ": onControl ? null : play,
     t: tilt,
+    l: bend,
     d: turn,
   };
   const action = actions[event.key] || actions[event.key.toLowerCase()];
@@ -218,16 +262,15 @@ function styleOf(i) {
 }
 
 function draw() {
-  if (state.theme) document.documentElement.dataset.theme = state.theme;
-  else delete document.documentElement.dataset.theme;
   byId("theme").textContent = dark() ? "light" : "dark";
   byId("theme").setAttribute("aria-label", `Change to ${byId("theme").textContent}`);
-  byId("tilt").textContent = state.tilted ? "tilted" : "flat";
   byId("tilt").setAttribute("aria-pressed", String(state.tilted));
+  byId("log").setAttribute("aria-pressed", String(!state.linear));
   byId("trouble").hidden = !missed;
   byId("trouble").textContent = missed;
   runs = state.rows.map((row, i) => ({ row, run: cache.get(row), style: styleOf(i), dash: DASHES[i] }));
   batch.update(new Map(runs.map((shown) => [shown.row, shown])));
+  drawAxes();
   drawLegend();
   drawFacts();
   drawNumbers();
@@ -241,9 +284,49 @@ function drawRuns() {
   byId("slider").setAttribute("aria-valuetext", `${short(state.time)} s`);
   byId("instant").textContent = `t = ${short(state.time)} s`;
   byId("instant").title = `snapshot ${now() + 1} of ${times.length}`;
+  drawInstants();
   drawFlow();
   drawProfiles();
   drawSeries();
+}
+
+// What is there to be drawn, and between what numbers: the same at all times, so that they can be compared.
+function drawAxes() {
+  const [snapshots, samples] = ["time", "series_time"].map((name) => runs.some(({ run }) => run[name].length));
+  for (const id of ["flow", "tilt", "profiles", "tails"]) byId(id).hidden = !snapshots;
+  for (const id of ["over-time", "series", "more"]) byId(id).hidden = !samples;
+  const absent = [snapshots ? "" : "snapshots", samples ? "" : "series"].filter(Boolean);
+  byId("absent").hidden = !runs.length || !absent.length;
+  byId("absent").textContent = `The result holds no ${absent.join(" and no ")}: time.snapshots and time.series in the run file say what is kept.`;
+  for (const chart of [...charts.profiles, ...charts.series]) chart.axis = axisOf(chart.panel);
+}
+
+function axisOf(panel) {
+  const share = panel.tails ? 0.005 : 0;
+  const ranges = (above) => runs.map(({ run }) => run.range(panel.name, share, above)).filter(Boolean);
+  const [low, high] = extent(ranges(false)).map((v) => v * panel.factor);
+  if (panel.log && !state.linear) {
+    const slowest = extent([runs.map(({ run }) => run.rest_speed / 3)])[0];
+    const foot = panel.unit === "m/s" ? slowest : Math.max(extent(ranges(true))[0], 1e-5 * high);
+    if (high > 3 * foot) return { up: [foot, 1.3 * high], log: true };
+  }
+  return { up: roomy([low, high], panel.span, panel.name === "h"), log: false };
+}
+
+function levelOf(panel) {
+  return typeof panel.reference === "string" ? runs[0].run[panel.reference] : panel.reference;
+}
+
+// Which runs are shown at another time than the slider's: it is not one of theirs.
+function drawInstants() {
+  runs.forEach(({ run }, i) => {
+    const at = run.time.length ? run.time[instantOf(run)] : state.time;
+    const off = Math.abs(at - state.time) > 1e-6 * Math.max(times[times.length - 1], 1e-12);
+    const last = run.time.length && at === run.time[run.time.length - 1] && at < state.time;
+    const place = document.querySelectorAll("#legend .instant")[i];
+    place.hidden = !off;
+    place.textContent = `shown at t = ${short(at)} s${last ? ", its last snapshot" : ""}`;
+  });
 }
 
 // The snapshot of a run that is nearest to the time; -1 where it has none.
@@ -260,7 +343,8 @@ function profile(run, name) {
 function cellOf(run) {
   if (state.place === null || !run.x.length) return -1;
   const i = nearest(run.x, state.place);
-  return Math.abs(run.x[i] - state.place) <= Math.max(run.spacing, 1e-12) ? i : -1;
+  const edge = run.x[1] - run.x[0] || 1e-12;
+  return state.place < run.x[0] - edge || state.place > run.x[run.x.length - 1] + edge ? -1 : i;
 }
 
 function values(place, texts, lead = "") {
@@ -274,7 +358,7 @@ function values(place, texts, lead = "") {
 
 // The largest step of the runs shown: it says how many decimals are worth reading.
 function coarsest(panel) {
-  return Math.max(...runs.map(({ run }) => run.step(panel.name))) * panel.factor;
+  return Math.max(...runs.map(({ run }) => run.step(panel.name) * panel.factor), 1e-6 * panel.span);
 }
 
 function readings(panel) {
@@ -287,6 +371,7 @@ function readings(panel) {
 
 function drawFlow() {
   const panel = head.profiles[0];
+  if (byId("flow").hidden) return;
   const bumpy = runs.some(({ run }) => run.step("bed") > 0);
   const name = bumpy && !state.tilted ? [["bed ", ""], ["b", "i"], [", surface ", ""], ["b + h", "i"]] : panel.label;
   byId("flow-label").replaceChildren(label(name, panel.unit));
@@ -302,32 +387,45 @@ function drawFlow() {
 }
 
 function drawProfiles() {
+  if (byId("profiles").hidden) return;
   const { factor } = head.position;
   const across = extent(runs.map(({ run }) => [run.x[0] * factor, run.x[run.x.length - 1] * factor]));
-  for (const { panel, chart, values: place } of charts.profiles) {
-    const up = roomy(extent(runs.map(({ run }) => run.arrays[panel.name])).map((v) => v * panel.factor), panel.span, panel.name === "h");
-    const lines = runs.map(({ run, style, dash }) => ({
-      x: run.x.map((v) => v * factor),
+  const xs = runs.map(({ run }) => run.x.map((v) => v * factor));
+  for (const { panel, chart, axis, values: place } of charts.profiles) {
+    const lines = runs.map(({ run, style, dash }, i) => ({
+      x: xs[i],
       y: profile(run, panel.name).map((v) => v * panel.factor),
       style,
       dash,
     }));
     const cursor = state.place === null ? null : state.place * factor;
-    const level = typeof panel.reference === "string" ? runs[0].run[panel.reference] : panel.reference;
-    chart.show({ across, up, lines, cursor, level });
+    chart.show({ across, ...axis, lines, cursor, level: levelOf(panel) });
+    describe(chart, panel, `along the slope at t = ${short(state.time)} s`, lines);
     values(place, readings(panel));
   }
 }
 
+// What a chart shows, in words.
+function describe(chart, panel, where, lines) {
+  const ranges = lines.map(({ y }, i) => {
+    const known = y.filter(Number.isFinite);
+    const said = known.length ? extent([known]).map(short).join(" to ") : "nothing";
+    return runs.length > 1 ? `${batch.name(runs[i].row)} ${said}` : said;
+  });
+  const name = panel.label.map(([text]) => text).join("");
+  chart.sheet.canvas.setAttribute("aria-label", `${name} (${panel.unit}) ${where}: ${ranges.join(", ")}`);
+}
+
 function drawSeries() {
+  if (byId("series").hidden) return;
   const across = extent(runs.map(({ run }) => run.series_time));
   const time = hovered === null ? state.time : hovered;
-  for (const { panel, chart, values: place } of charts.series) {
-    const up = roomy(extent(runs.map(({ run }) => run.arrays[panel.name])).map((v) => v * panel.factor), panel.span);
-    const lines = runs.map(({ run, style, dash }) => ({ x: run.series_time, y: run.arrays[panel.name].map((v) => v * panel.factor), style, dash }));
-    chart.show({ across, up, lines, cursor: time, level: panel.reference });
+  for (const { panel, chart, axis, values: place } of charts.series) {
+    const lines = runs.map(({ run, style, dash }) => ({ x: run.series_time, y: run.series[panel.name].map((v) => v * panel.factor), style, dash }));
+    chart.show({ across, ...axis, lines, cursor: time, level: levelOf(panel) });
+    describe(chart, panel, "over time", lines);
     const texts = runs.map(({ run, style }) => {
-      const value = run.series_time.length ? run.arrays[panel.name][nearest(run.series_time, time)] : NaN;
+      const value = run.series_time.length ? run.series[panel.name][nearest(run.series_time, time)] : NaN;
       return [exact(value * panel.factor, coarsest(panel)), style];
     });
     values(place, texts);
@@ -365,7 +463,11 @@ function drawLegend() {
     const reserves = Object.entries(RESERVES).filter(([key]) => batch.reserves[key].has(row)).map(([, { sign, said }]) => `${sign} ${said}`);
     const status = table.status[row];
     const ended = ["ok", "at_rest"].includes(status) ? [] : [`\u00d7 ended early: ${table.failure[row] || status.replace("_", " ")}`];
-    const lines = [make("div", {}, name, " ", ...keysOf(row)), make("div", { className: "quiet" }, outcomesOf(row))];
+    const lines = [
+      make("div", {}, name, " ", ...keysOf(row)),
+      make("div", { className: "quiet" }, outcomesOf(row)),
+      make("div", { className: "reserve instant" }),
+    ];
     for (const text of [...ended, ...reserves]) lines.push(make("div", { className: "reserve" }, text));
     const item = make("li", {}, swatch, make("div", {}, ...lines));
     if (runs.length > 1) {
@@ -382,7 +484,7 @@ function drawFacts() {
   const parts = [head.files.filter(Boolean).join(", ")];
   if (head.rows < head.runs) parts.push(`the table has ${head.rows} of ${head.runs} runs, evenly spread`);
   if (head.shown < head.rows) parts.push(`profiles of ${head.shown} of ${head.rows} runs are in this page, evenly spread`);
-  const strides = [...new Set(runs.filter(({ run }) => run.stride > 1).map(({ run }) => `every ${ordinal(run.stride)} of ${run.grid} cells`))];
+  const strides = [...new Set(runs.filter(({ run }) => run.stride > 1).map(({ run }) => `every ${ordinal(run.stride)} of ${run.grid} cells, and those of front, rear, largest thickness and speed at each snapshot`))];
   parts.push(...strides);
   for (const { run, row } of runs) {
     for (const [what, share] of Object.entries(run.thinned)) if (share) parts.push(`${share} ${what} of ${batch.name(row)}`);
@@ -408,6 +510,7 @@ function drawNumbers() {
 
 start().catch((error) => {
   byId("trouble").hidden = false;
-  byId("trouble").textContent = `This page cannot be shown: ${error.message}. It needs a browser of 2023 or later.`;
+  byId("trouble").textContent = `This page cannot be shown: ${error.message}. It needs Chrome or Edge 80, Firefox 113, Safari 16.4, or later.`;
+  document.querySelector("main").replaceChildren(byId("trouble"));
   throw error;
 });
