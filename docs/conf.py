@@ -8,6 +8,8 @@ from importlib.metadata import version as version_of
 from pathlib import Path
 from typing import Any
 
+from sphinx.domains.python import PyObject
+
 sys.path.insert(0, str(Path(__file__).parent))
 
 project = "warpgran"
@@ -43,6 +45,9 @@ autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 napoleon_google_docstring = True
 napoleon_use_ivar = True
+for field in PyObject.doc_field_types:
+    if field.name == "variable":  # Sphinx calls the attributes of a class its variables
+        field.label = "Attributes"
 nitpick_ignore_regex = [
     # libraries that are described elsewhere: nothing is fetched from there when the site is made
     (r"py:.*", r"(os|xr|xarray|np|numpy|pd|pandas|matplotlib|pathlib|typing|collections)\..*|Path|Client"),

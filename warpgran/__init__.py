@@ -1,12 +1,14 @@
 """Granular collapses with dilatancy: a depth-averaged compressible mu(I) model on NVIDIA Warp.
 
-import warpgran as wg
+From a case to its terms of force::
 
-case = wg.Case.from_toml("runs/dense_22deg.toml").with_(slope={"angle": 16.0})
-data = wg.simulate(case)                          # an xarray.Dataset
-data = wg.open_dataset("dense_22deg.h5")          # the same, from a file that `warpgran run` has written
-data = data.assign(wg.derive(data, "psi", "mu"))  # with dilatancy angle and friction
-terms = wg.forces(data)                           # the terms of the momentum equation
+    import warpgran as wg
+
+    case = wg.Case.from_toml("runs/dense_22deg.toml").with_(slope={"angle": 16.0})
+    data = wg.simulate(case)                          # an xarray.Dataset
+    data = wg.open_dataset("dense_22deg.h5")          # the same, of a file of `warpgran run`
+    data = data.assign(wg.derive(data, "psi", "mu"))  # with dilatancy angle and friction
+    terms = wg.forces(data)                           # the terms of the momentum equation
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from pydantic import StrictBool, StrictFloat
 from warpgran.case.case import Case
 from warpgran.case.defaults import FOLLOWS
 from warpgran.case.model import Model, declare
-from warpgran.case.sections import KEYS, SECTIONS
+from warpgran.case.sections import KEYS, SECTIONS, Column, Rheology
 from warpgran.case.sweep_section import Sweep
 
 SCHEMAS = {name: Case.model_json_schema()["$defs"][model.__name__] for name, model in SECTIONS.items()}
@@ -46,7 +46,17 @@ def test_a_key_is_all_that_it_was_declared_with() -> None:
     assert (key.unit, key.display_unit, key.factor) == ("m", "mm", 1e3)
     assert (key.kind, key.allowed, key.hint) == (float, "> 0 and <= 2.5", "> 0 and <= 2.5, in m")
     assert (switch.kind, switch.hint, switch.default) == (bool, "", True)
-    assert Section.__doc__ == "Two keys.\n\nAttributes:\n    thick: Thickness of a layer.\n    on: A switch."
+    attributes = "    thick: Thickness of a layer. Allowed: > 0 and <= 2.5, in m.\n    on: A switch."
+    assert Section.__doc__ == f"Two keys.\n\nAttributes:\n{attributes}"
+
+
+def test_the_docstring_of_a_section_says_units_bounds_and_what_follows_other_keys() -> None:
+    assert "    start: Left end of the rectangle. Allowed: in the grid, in m. Default: `grid.left`." in str(
+        Column.__doc__
+    )
+    assert "    phi_eq: Form of phi_eq(I)" in str(Rheology.__doc__) and '"f0", "f1" or "f2"' not in str(
+        Rheology.__doc__
+    )
 
 
 def test_no_source_is_read_for_docstrings_until_they_are_asked_for() -> None:

@@ -29,8 +29,7 @@ def caveats(data: xr.Dataset | RunColumns) -> dict[str, Array]:
         data: a result, with all its runs or some (`data.isel(run=[0, 3])`).
 
     Returns:
-        Boolean arrays over the runs, by name. They are False, too, where the result does not say, as it does not
-        without series.
+        Boolean arrays over the runs, by name; False also where the result cannot tell, as without series.
 
         - left_grid: more than 0.1 % of the solid has left through an end of the grid; run_out is a lower bound
         - moving: the run got to its end and had not stopped; run_out is not final. A flow between periodic ends has no

@@ -87,6 +87,9 @@ def compare(a: xr.Dataset, b: xr.Dataset) -> Compared:
         a: a result, with all its runs or some (`data.isel(run=[0, 3])`).
         b: another.
 
+    Returns:
+        What differs in parameters, versions, runs and numbers; `identical` says whether anything does.
+
     Raises:
         ResultError: a selection without the dimension `run`, or no run of one has a counterpart in the other.
     """

@@ -50,13 +50,16 @@ def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
     Args:
         data: a result with h [m], v [m/s] and phi [-] over (run, time, x), and case_toml; what selections
             leave of one (a run, an instant, some cells) will do, and several joined along run.
-        names: any of gamma [1/s], I [-], phi_eq [-], psi [degrees] and mu [-]; all of them if none is given.
+        names: any of gamma, shear rate [1/s] (2.15); I, inertial number [-] (2.10, 2.11); phi_eq, volume fraction of
+            the critical state [-] (2.9, in the form of `rheology.phi_eq`); psi, dilatancy angle [degrees] (2.8); mu,
+            friction with that of side walls [-] (2.13, 2.14, 4.1). All of them if none is given.
 
     Returns:
         The fields asked for, with the dimensions of h; NaN where h, v or phi is.
 
     Raises:
-        ResultError: an unknown name, or a parameter that the result does not have.
+        OptionError: an unknown name.
+        ResultError: a parameter that the result does not have.
     """
     unknown = [name for name in names if name not in FIELDS]
     if unknown:

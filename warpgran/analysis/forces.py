@@ -29,7 +29,10 @@ LONG_NAMES = {
 
 
 def forces(data: xr.Dataset) -> xr.Dataset:
-    """The five forces at each snapshot.
+    """The terms of the momentum equation (2.6) at each snapshot, f_acc + f_inert = f_press + f_grav + f_fric.
+
+    f_acc = d_t(phi h v), f_inert = d_x(phi h v^2), f_press = -d_x(g_c phi h^2/2), f_grav = -g_c phi h d_x bhat,
+    f_fric = -mu g_c phi h sgn(v), with bhat = b - x tan(theta), by central differences between cells and snapshots.
 
     The acceleration at a snapshot is the difference of its neighbours in time (at the first and the last, of itself
     and its neighbour), so that it means something only where they lie close: `time.snapshots = [1.198, 1.2, 1.202]`

@@ -51,7 +51,7 @@ class Calibrated:
         return words.table(self.stages, self.reached)
 
     def told(self) -> list[str]:
-        """What the numbers of the table must not be read without, a line each."""
+        """Warnings that belong to the numbers of the table, a line each."""
         found = [*words.of_screening(self.stages)]
         if self.reached("fit"):
             found += words.of_fit(self.stages)
@@ -101,13 +101,16 @@ def calibrate(
         case: What all experiments share.
         over: Prior distributions by dotted key, such as `{"rheology.mu1": {"low": 0.3, "high": 0.6}}`.
         data: Folder of the measurements.
-        output: Folder of everything that is computed; what is there of the same input is gone on with.
+        output: Folder of everything that is computed; what is there of the same input is resumed.
         stage: The last stage: screening, fit, posterior or predictive.
         device: As in `simulate`.
         precision: As in `simulate`.
         engine: As in `simulate`.
         threads: As in `simulate`.
         section: Other keys of the section `[calibration]`.
+
+    Returns:
+        The stages up to the last that was asked for.
 
     Raises:
         CaseError: Lists everything that is wrong with the priors and other keys.

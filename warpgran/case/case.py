@@ -150,6 +150,9 @@ class Case(Model):
             samples: Number of runs for latin and sobol.
             seed: Seed of the samples.
 
+        Returns:
+            The study of these runs, as a run file with that `[sweep]` gives it.
+
         Raises:
             CaseError: Lists everything that is wrong with the sweep or with any of its runs.
         """
@@ -236,7 +239,8 @@ class Case(Model):
     def initial_state(self) -> tuple[Array, Array]:
         """Thickness h, m, and solid volume fraction phi at the cell centres at time 0, each of shape (cells,).
 
-        Outside the column h is `scheme.h_bed`, and phi continues.
+        Outside the column h is `scheme.h_bed`, 0 by default, and phi that of the column, or of the nearer end of a
+        profile.
         """
         profile = self.column.profile
         h = np.maximum(self.column.thickness_on(self.grid), self.scheme.h_bed)

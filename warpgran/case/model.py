@@ -117,6 +117,12 @@ class KeyInfo:
         """What is allowed, with the unit, as errors say it."""
         return f"{self.allowed}, in {self.unit}" if self.unit else self.allowed
 
+    @property
+    def limits(self) -> str:
+        """What is allowed and what a default of None stands for, as sentences after the meaning; the type has words."""
+        allowed = f" Allowed: {self.hint}." if self.hint and self.kind is not str else ""
+        return f"{allowed} Default: {self.unset}." if self.unset else allowed
+
 
 def _allowed(field: FieldInfo) -> str:
     """`> 0 and < 1` of bounds, `"f0", "f1" or "f2"` of a choice."""
@@ -173,7 +179,8 @@ class _Concise(ModelMetaclass):
         lines = [inspect.cleandoc(vars(cls).get("__doc__") or ""), "", "Attributes:"]
         for name, field in cls.model_fields.items():
             meaning = meanings(cls).get(name) or (field.annotation.__doc__ or "").partition("\n")[0]
-            lines.append(f"    {name}: {' '.join(meaning.split())}")
+            limits = KeyInfo.of(cls, name).limits if field.json_schema_extra else ""
+            lines.append(f"    {name}: {' '.join(meaning.split())}{limits}")
         return "\n".join(lines)
 
     def __dir__(cls) -> list[str]:

@@ -39,8 +39,12 @@ def read_study(
     Args:
         path: The file, UTF-8. Paths in it start from its folder.
         overrides: `KEY=VALUE` as for `Case.from_toml`; keys of these sections too: `sweep.over.slope.angle=[0, 10]`.
-        most: Runs to check about as many of, where there are more: those of `sampled_runs`. By default all.
-        examined: Called with the progress.
+        most: Number of runs that are checked of a larger study: those at the ends of the swept ranges, and others at
+            equal distances. By default all.
+        examined: Called now and then with the number of runs checked and of those to be.
+
+    Returns:
+        The study; of one run where the file varies nothing.
 
     Raises:
         CaseError: Lists everything that is wrong, each line beginning with the file's name; problems of single

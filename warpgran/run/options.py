@@ -20,7 +20,7 @@ MOST_MEMORY = 1e18
 
 @dataclass(frozen=True)
 class Options:
-    """How to compute. A new option stands here, in cli/run.py and where it is used.
+    """How to compute: the options that `warpgran run`, `simulate` and `converge` share.
 
     Attributes:
         device: "cpu", "cuda", "cuda:N", or several of a kind with commas between, which share the blocks.

@@ -47,12 +47,15 @@ def indices(data: xr.Dataset, of: Sequence[str] | None = None, *, drop_failed: b
         drop_failed: Leave out the base samples of runs that cannot be used, instead of refusing them.
 
     Returns:
-        Over `output` and `parameter`, of sobol: first_order, total_order (1), each with _low and _high, the ends of
-        its 95 % bootstrap interval; main_effect with _low and _high (5 and 95 % of the runs) over `bin`. Of morris:
-        mu_star with its interval, mu and sigma (units of the output). Series stand over `series`, `series_time` and
-        `parameter`, under the same names with _over_time behind. NaN where an output does not vary. `mean` and `sd` are
-        those of the outputs. The attributes samples and dropped_samples count what was used and left out; `notes`
-        says what must be known of it, a line each.
+        Variables over `output` and `parameter`; NaN where an output does not vary.
+
+        - sobol: first_order and total_order, shares of the variance, each with _low and _high, the ends of its 95 %
+          bootstrap interval; main_effect with _low and _high (5 and 95 % of the runs) over `bin`
+        - morris: mu_star with its interval, mu and sigma, in units of the output
+        - both: mean and sd of the outputs
+
+        Those of series stand over `series`, `series_time` and `parameter`, with _over_time behind their names. The
+        attributes samples and dropped_samples count what was used and left out; notes are warnings, a line each.
 
     Raises:
         ResultError: It is no design or not all of it, something asked for is not known, or runs cannot be used.

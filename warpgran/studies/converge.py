@@ -107,6 +107,9 @@ def converge(case: Case, *, levels: int = 3, options: Options | None = None) -> 
         levels: Number of grids, 3 to 6.
         options: How to compute: device, precision, threads.
 
+    Returns:
+        Front, greatest height, dilation and other results on all grids, with orders and limits.
+
     Raises:
         OptionError: Another number of levels.
         CaseError: The case cannot be run on one of the grids.
