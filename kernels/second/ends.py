@@ -35,9 +35,9 @@ def _apart(variant: Variant, module: Any) -> SecondEnds:
     beyond = make_beyond(kinds)
 
     @wp.func
-    def copy(q: A, s: A, c: A, cell: int, ghost: int):
-        """Make a ghost cell equal to a cell, but for its velocity."""
-        q[ghost] = q[cell]
+    def extend(q: A, s: A, c: A, inner: int, cell: int, ghost: int):
+        """Set all but the velocity of a ghost cell: q changes there as between the last two cells, s and c do not."""
+        q[ghost] = q[cell] + (q[cell] - q[inner])
         s[ghost] = s[cell]
         c[ghost] = c[cell]
 
@@ -56,15 +56,15 @@ def _apart(variant: Variant, module: Any) -> SecondEnds:
         # outputs
         q: A, s: A, v: A, c: A, X: A, P: A, hold: A, unused: A,
     ):  # fmt: skip
-        """Ghost cells, for the differences of s, v, c across the ends (E4); the interfaces at the ends."""
+        """Ghost cells, for the differences across the ends (E4); the interfaces at the ends."""
         run = wp.tid()
         if active[run] == 0:
             return
         p = params[run]
         first = p.row
         last = p.row + p.cells - 1
-        copy(q, s, c, first, first - 1)
-        copy(q, s, c, last, last + 1)
+        extend(q, s, c, first + 1, first, first - 1)
+        extend(q, s, c, last - 1, last, last + 1)
         v[first - 1] = p.v_left * v[first]
         v[last + 1] = p.v_right * v[last]
         take(X, P, hold, unused, first + 1, first)

@@ -21,7 +21,7 @@ class Faces(NamedTuple):
 def make(variant: Variant, limiter: Limiter, module: Any) -> Faces:
     """The kernel of a variant."""
     kinds = precision(variant.precision)
-    Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
+    Real, A, Params = kinds.Real, kinds.Array, kinds.Params
     zero, half, one = Real(0.0), Real(0.5), Real(1.0)
     half_lim, clip = limiter.half_lim, limiter.clip
 
@@ -40,23 +40,6 @@ def make(variant: Variant, limiter: Limiter, module: Any) -> Faces:
         """z_L, z_R: apart by 2 e, of mean z with the weights 1 - b at L and 1 + b at R."""
         return z - e * (one + b), z + e * (one - b)
 
-    @wp.func
-    def first_cell(p: RunParams) -> int:
-        """The element of the cell at the left end."""
-        return p.row
-
-    @wp.func
-    def last_cell(p: RunParams) -> int:
-        """The element of the cell at the right end."""
-        return p.row + p.cells - 1
-
-    @wp.func
-    def no_cell(p: RunParams) -> int:
-        """No element: periodic ends are none."""
-        return -1
-
-    first, last = (no_cell, no_cell) if variant.periodic else (first_cell, last_cell)
-
     @wp.kernel(module=module)
     def faces(
         # inputs
@@ -72,23 +55,16 @@ def make(variant: Variant, limiter: Limiter, module: Any) -> Faces:
         p = params[run]
         left = before_first(thread, chunks, p.row, lo[run], hi[run])
         end = end_of(thread, chunks, p.row, lo[run], hi[run], active[run]) - 1
-        leftmost = first(p)
-        rightmost = last(p)
         while left < end:
             i = left + 1
             q_i = q[i]
             s_i = s[i]
             v_i = v[i]
             c_i = c[i]
-            # At an end of the grid the only difference there is counts for both.
-            before = q_i - q[left]
-            after = q[left + 2] - q_i
-            d_l = wp.where(i == leftmost, after, before)
-            d_r = wp.where(i == rightmost, before, after)
             wet = q_i > zero
             per_q = one / wp.where(wet, q_i, one)
             per_s = one / s_i
-            bq = of_q(q_i, d_l, d_r)
+            bq = of_q(q_i, q_i - q[left], q[left + 2] - q_i)
             b = bq * per_q
             e_s = half_lim(s_i - s[left], s[left + 2] - s_i, wp.where(wet, limit(b), zero))
             w = b + (one - b * b) * (e_s * per_s)  # mass is 1 - w times that of the cell at L, 1 + w at R

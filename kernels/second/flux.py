@@ -11,11 +11,15 @@ from warpgran.kernels.precision import Ints, Variant, precision
 from warpgran.kernels.ranges import before_first, end_of, run_of
 from warpgran.kernels.second.reconstruction import SecondReconstruction
 
+LEAST = {"float64": 1e-150, "float32": 1.1e-19}
+"""Impedance of a side without mass (m2/s), so that nothing is divided by 0: its square is still a normal number."""
+
 
 class SecondFlux(NamedTuple):
     """The kernel of this file, and its functions."""
 
     flux: Any
+    impedance: Any
     speeds: Any
     suliciu: Any
 
@@ -23,23 +27,27 @@ class SecondFlux(NamedTuple):
 def make(variant: Variant, reconstruction: SecondReconstruction, module: Any) -> SecondFlux:
     """The kernel of a variant."""
     kinds = precision(variant.precision)
-    Real, A, Params = kinds.Real, kinds.Array, kinds.Params
-    zero, half, one, three_halves, tiny = Real(0.0), Real(0.5), Real(1.0), Real(1.5), Real(kinds.tiny)
+    Real, A, RunParams, Params = kinds.Real, kinds.Array, kinds.RunParams, kinds.Params
+    zero, half, one, three_halves = Real(0.0), Real(0.5), Real(1.0), Real(1.5)
+    least = Real(LEAST[variant.precision])
     jump, reconstructed = reconstruction.jump, reconstruction.reconstructed
+
+    @wp.func
+    def impedance(q: Real, rho: Real, p: RunParams) -> Real:
+        """rho = s q [m] times the sound speed sqrt(g_c q/s) [m2/s], never 0."""
+        return q * wp.sqrt(p.g_c * rho) + least
 
     @wp.func
     def speeds(dp: Real, rho_1: Real, impedance_1: Real, rho_2: Real, impedance_2: Real, D: Real):
         """C_1, C_2 [m2/s] of the sides of the lower (1) and the higher pressure (2), apart by dp >= 0 [m3/s2].
 
-        C = rho S, with rho = s q [m] and the relaxation speed S; impedance: rho times the sound speed, q sqrt(g_c rho)
-        [m2/s]; D = v_l - v_r. A side without mass has C = 0 and does not speed up the other. Bouchut (2004), section
-        2.4; 3/2 is (gamma + 1)/2 for gamma = 2.
+        C = rho S, with the relaxation speed S; D = v_l - v_r. A side without mass has all but no C and does not speed
+        up the other. Bouchut (2004), section 2.4; 3/2 is (gamma + 1)/2 for gamma = 2.
         """
         # C_1 impedance_2, so that no division waits for C_1
         product = impedance_1 * impedance_2 + three_halves * rho_1 * wp.max(zero, dp + D * impedance_2)
-        rise = wp.max(zero, D - dp * impedance_2 / (product + tiny))
-        C_2 = impedance_2 + three_halves * rho_2 * wp.where(product > zero, rise, zero)
-        return product / (impedance_2 + tiny), C_2
+        rise = wp.max(zero, D - dp * impedance_2 / product)
+        return product / impedance_2, impedance_2 + three_halves * rho_2 * rise
 
     @wp.func
     def both_speeds(dp: Real, rho_l: Real, impedance_l: Real, rho_r: Real, impedance_r: Real, D: Real):
@@ -60,11 +68,9 @@ def make(variant: Variant, reconstruction: SecondReconstruction, module: Any) ->
         Each side has rho = phi h [m], v [m/s], C = rho S [m2/s], and the most that may flow out of it [m2/s].
         """
         D = v_l - v_r
-        C = C_l + C_r + tiny
+        C = C_l + C_r
         per_C = one / C
         push = C_l * v_l + C_r * v_r - dp  # C u
-        e_l = C_l * per_C * (dp + C_r * D)
-        e_r = C_r * per_C * (C_l * D - dp)
 
         # The upwind side (u), seen along its own direction of flow; downwind (d).
         to_right = push >= zero
@@ -72,17 +78,16 @@ def make(variant: Variant, reconstruction: SecondReconstruction, module: Any) ->
         v_u = wp.where(to_right, v_l, v_r)
         C_u = wp.where(to_right, C_l, C_r)
         C_d = wp.where(to_right, C_r, C_l)
-        rise = wp.where(to_right, dp, -dp)
-        whole = C_u * C - rho_u * (C_d * D + rise)  # 0 if that side holds no mass
-        F_star = push * (rho_u * C_u) / (whole + tiny)
+        rise = C_d * D + wp.where(to_right, dp, -dp)  # of pressure from that side, times C/C_u
+        whole = C_u * C - rho_u * rise
+        F_star = push * (rho_u * C_u) / whole
         F_u = rho_u * v_u
-        supersonic = rho_u > zero and wp.where(to_right, F_u, -F_u) >= C_u
+        supersonic = wp.where(to_right, F_u, -F_u) >= C_u
         F0 = wp.where(supersonic, F_u, F_star)
-        F0 = wp.where(to_right, wp.min(F0, most_l), wp.max(F0, -most_r))
+        F0 = wp.max(wp.min(F0, most_l), -most_r)
         speed = wp.where(supersonic, v_u, push * per_C)
-        e_l = wp.where(supersonic, wp.where(to_right, zero, dp), e_l)
-        e_r = wp.where(supersonic, wp.where(to_right, -dp, zero), e_r)
-        return F0, F0 * speed + e_l, F0 * speed + e_r
+        E_u = F0 * speed + wp.where(supersonic, zero, C_u * per_C * rise)
+        return F0, wp.where(to_right, E_u, E_u + dp), wp.where(to_right, E_u - dp, E_u)
 
     @wp.kernel(module=module)
     def flux(
@@ -110,10 +115,8 @@ def make(variant: Variant, reconstruction: SecondReconstruction, module: Any) ->
             v_r = v_L[i]
             rho_l = s_R[left] * q_l
             rho_r = s_L[i] * q_r
-            impedance_l = q_l * wp.sqrt(p.g_c * rho_l)
-            impedance_r = q_r * wp.sqrt(p.g_c * rho_r)
             dp = half_g * (q_r - q_l) * (q_r + q_l)  # 0 exactly where q* are equal
-            C_l, C_r = both_speeds(dp, rho_l, impedance_l, rho_r, impedance_r, v_l - v_r)
+            C_l, C_r = both_speeds(dp, rho_l, impedance(q_l, rho_l, p), rho_r, impedance(q_r, rho_r, p), v_l - v_r)
             most_l = q_R[left] * s_R[left] * half_rate
             most_r = q_L[i] * s_L[i] * half_rate
             mass, seen_l, seen_r = suliciu(rho_l, v_l, C_l, most_l, rho_r, v_r, C_r, most_r, dp)
@@ -123,4 +126,4 @@ def make(variant: Variant, reconstruction: SecondReconstruction, module: Any) ->
             F2[i] = mass * wp.where(mass >= zero, c_R[left], c_L[i])
             left += wp.block_dim()
 
-    return SecondFlux(flux, both_speeds, suliciu)
+    return SecondFlux(flux, impedance, both_speeds, suliciu)

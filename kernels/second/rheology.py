@@ -1,7 +1,7 @@
 """Rheology of a state in order 2: decoding, friction with dilatancy and walls, the relaxation of phi.
 
-All is written plainly, for both precisions and every alpha: how long one operation waits for another bounds these
-kernels, and fewer divisions that wait for more products gain nothing (measured; in `friction` alone they do).
+For both precisions and every alpha. Divisions and roots bound these kernels: each function of a cell has one division
+and one root, and what does not change from cell to cell is multiplied first.
 """
 
 from typing import Any, NamedTuple
@@ -31,9 +31,9 @@ def make(variant: Variant, laws: Laws) -> SecondRheology:
     kinds = precision(variant.precision)
     Real, RunParams = kinds.Real, kinds.RunParams
     power, root, phi_equilibrium, friction_of = laws.power, laws.root, laws.phi_equilibrium, laws.friction
-    zero, half, one = Real(0.0), Real(0.5), Real(1.0)
+    zero, one = Real(0.0), Real(1.0)
     dry, phi_min = Real(DRY), Real(PHI_MIN)
-    # num and den of a film are 1e-18 m2/s; their product stays a normal number of float32 so; a power of 2.
+    # num and den of a film are 1e-18; products of both with others stay normal numbers of float32 so; a power of 2.
     large = Real(2.0**30) if variant.precision == "float32" else one
 
     @wp.func
@@ -48,15 +48,14 @@ def make(variant: Variant, laws: Laws) -> SecondRheology:
         return U1 * per_U0, root(U2 * per_U0, p)
 
     @wp.func
-    def inertia(shear: Real, phi: Real, load: Real, p: RunParams):
-        """num [m2/s] and den [m2/s] of the inertial number (E1). shear: 2.5 |v| [m/s]; load: phi h_e [m]."""
-        return shear * phi * p.d, load * wp.sqrt(p.g_c * load)
+    def inertia(v: Real, phi: Real, load: Real, p: RunParams):
+        """num and den of the inertial number (E1), times a factor. v [m/s]; load: phi h_e [m]."""
+        return large * Real(2.5) * p.d / wp.sqrt(p.g_c) * wp.abs(v) * phi, large * load * wp.sqrt(load)
 
     @wp.func
     def friction(m: Real, v: Real, phi: Real, p: RunParams):
         """h [m] and the effective friction coefficient (E1) of m = phi h [m], v [m/s], phi; by one division."""
-        num, den = inertia(Real(2.5) * wp.abs(v), phi, wp.max(m, phi * p.h_min), p)
-        num, den = large * num, large * den
+        num, den = inertia(v, phi, wp.max(m, phi * p.h_min), p)
         top, bottom = phi_equilibrium(num, den, p)
         scale = num + p.I0 * den
         per_all = one / (bottom * scale * phi)
@@ -66,38 +65,38 @@ def make(variant: Variant, laws: Laws) -> SecondRheology:
         return h, friction_of(mu_I, phi, top * (scale * per_both), h, p)
 
     @wp.func
-    def equilibrium(shear: Real, phi: Real, load: Real, p: RunParams) -> Real:
-        """phi_eq of the inertial number, e(phi) of R; arguments as in `inertia`."""
-        num, den = inertia(shear, phi, load, p)
-        top, bottom = phi_equilibrium(num, den, p)
-        return top / bottom
+    def toward(phi: Real, v: Real, at: Real, load: Real, gone: Real, left: Real, p: RunParams) -> Real:
+        """Mean of phi and phi_eq with the weights `left` and `gone`, by one division.
 
-    @wp.func
-    def middle(m: Real, shear: Real, phi: Real, rate: Real, p: RunParams) -> Real:
-        """Volume fraction half-way (R). m: phi h [m]; phi: before; rate: tau K shear [m], y = rate phi^2/load."""
-        load = wp.max(m, phi * p.h_min)
-        phi_eq = equilibrium(shear, phi, load, p)
-        return phi_eq + (phi - phi_eq) * (load / (load + half * rate * phi * phi))
-
-    @wp.func
-    def end(m: Real, shear: Real, phi: Real, phi_mid: Real, rate: Real, p: RunParams) -> Real:
-        """Volume fraction at the end (R). phi_mid: half-way; all else as in `middle`.
-
-        1/(1 + y + y^2/2) is a fraction of powers of the load: y = whole/load.
+        phi_eq is that of v [m/s], the volume fraction `at` and load [m].
         """
+        num, den = inertia(v, at, load, p)
+        top, bottom = phi_equilibrium(num, den, p)
+        return (top * gone + bottom * (phi * left)) / (bottom * (left + gone))
+
+    @wp.func
+    def middle(m: Real, v: Real, phi: Real, rate: Real, p: RunParams) -> Real:
+        """Volume fraction half-way (R), after 1/(1 + y/2).
+
+        m: phi h [m]; phi: before; rate: tau K w m/2 [m], y/2 = rate phi^2/load.
+        """
+        load = wp.max(m, phi * p.h_min)
+        return toward(phi, v, phi, load, rate * phi * phi, load, p)
+
+    @wp.func
+    def end(m: Real, v: Real, phi: Real, phi_mid: Real, rate: Real, p: RunParams) -> Real:
+        """Volume fraction at the end (R), after 1/(1 + y + y^2/2). phi_mid: half-way; all else as in `middle`."""
         load = wp.max(m, phi_mid * p.h_min)
-        phi_eq = equilibrium(shear, phi_mid, load, p)
-        whole = rate * phi_mid * phi_mid
-        square = load * load
-        return wp.max(phi_min, phi_eq + (phi - phi_eq) * (square / (square + whole * (load + half * whole))))
+        half_y = rate * phi_mid * phi_mid  # times the load
+        gone = (half_y + half_y) * (load + half_y)
+        return wp.max(phi_min, toward(phi, v, phi_mid, load, gone, load * load, p))
 
     @wp.func
     def relaxed(U0: Real, U1: Real, U2: Real, tau: Real, p: RunParams):
         """v [m/s], phi and U2 [m] after dilatancy has acted for tau [s] (R); phi and U2 stay where v or K is 0."""
         v, phi = motion(U0, U1, U2, p)
-        shear = Real(2.5) * wp.abs(v)
-        rate = tau * p.K * shear
-        new = end(U0, shear, phi, middle(U0, shear, phi, rate, p), rate, p)
+        rate = Real(1.25) * tau * p.K * wp.abs(v)
+        new = end(U0, v, phi, middle(U0, v, phi, rate, p), rate, p)
         acts = U1 != zero and p.K > zero
         return v, wp.where(acts, new, phi), wp.where(acts, U0 * power(new, p), U2)
 

@@ -134,6 +134,19 @@ def test_relaxed(changes: dict[str, Any]) -> None:
     np.testing.assert_array_equal(found[2][still], state[2][still])  # to the bit
 
 
+@pytest.mark.parametrize("changes", LAWS)
+def test_relaxed_film_in_single_precision(changes: dict[str, Any]) -> None:
+    case = small(**{**changes, "scheme.h_min": 3e-9, "rheology.grain_diameter": 2e-5})
+    a = case.scheme.alpha - 1.0
+    U0, v, phi = np.array([2e-12, 2e-11, 2e-11]), np.array([0.0, 1e-6, -0.6]), np.array([0.6, 0.3, 0.01])
+    state = U0, U0 * v, U0 * phi**a
+    single, double = (
+        caller(rheology.make(caller.variant, laws_of.make(caller.variant)).relaxed, *state, 1e-4, returns=3)
+        for caller in (Caller(case, "float32"), Caller(case))
+    )
+    np.testing.assert_allclose(single, double, rtol=1e-4)
+
+
 def test_interface() -> None:
     dx, g_c, dt = 2e-3, 9.81, 3e-4
 
@@ -220,8 +233,8 @@ def test_jump_and_reconstruction() -> None:
 
 @pytest.mark.parametrize("speed", [0.1, 1.0, 10.0])
 def test_flux(speed: float) -> None:
-    g_c = 9.0
     call = Caller(small())
+    g_c = call.case.g_c
     parts = flux.make(call.variant, reconstruction.make(KINDS, LIMITER), call.module)
 
     def speeds(
@@ -261,12 +274,29 @@ def test_flux(speed: float) -> None:
     most_l, most_r = draw(7, 0.0, 0.2 * speed, 0.1), draw(8, 0.0, 0.2 * speed, 0.1)
     rho_l, rho_r = s_l * q_l, s_r * q_r
     dp = g_c * (q_r - q_l) * (q_r + q_l) / 2
-    a_l, a_r = q_l * np.sqrt(g_c * rho_l), q_r * np.sqrt(g_c * rho_r)
+    a_l, a_r = call(parts.impedance, q_l, rho_l), call(parts.impedance, q_r, rho_r)
 
     c_l, c_r = call(parts.speeds, dp, rho_l, a_l, rho_r, a_r, v_l - v_r, returns=2)
     found = call(parts.suliciu, rho_l, v_l, c_l, most_l, rho_r, v_r, c_r, most_r, dp, returns=3)
     expected = each(page, q_l, s_l, v_l, q_r, s_r, v_r, most_l, most_r)
     np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-14)
+
+
+@pytest.mark.parametrize("precision_name", ["float64", "float32"])
+def test_no_mass_leaves_an_empty_side(precision_name: str) -> None:
+    call = Caller(small(), precision_name)
+    kinds = precision(precision_name)
+    parts = flux.make(call.variant, reconstruction.make(kinds, limiter.make(kinds)), call.module)
+    rho_l, v_l = np.array([0.0, 0.0, 0.0, 0.06, 1e-12]), np.array([0.0, 0.3, 0.0, 0.0, -0.1])
+    rho_r, v_r = np.array([0.0, 0.0, 0.06, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 0.0, 0.0])
+    q_l, q_r = rho_l / 0.8, rho_r / 0.8
+    dp = call.case.g_c * (q_r - q_l) * (q_r + q_l) / 2
+    c = (call(parts.impedance, q, rho) for q, rho in ((q_l, rho_l), (q_r, rho_r)))
+    c_l, c_r = call(parts.speeds, dp, rho_l, next(c), rho_r, next(c), v_l - v_r, returns=2)
+    F0, E_l, E_r = call(parts.suliciu, rho_l, v_l, c_l, 1.0, rho_r, v_r, c_r, 1.0, dp, returns=3)
+    assert (np.sign(F0) == [0.0, 0.0, -1.0, 1.0, 0.0]).all()
+    nothing = (rho_l == 0.0) & (rho_r == 0.0)
+    np.testing.assert_allclose([E_l[nothing], E_r[nothing]], 0.0, atol=1e-18)
 
 
 def test_stop() -> None:
