@@ -237,6 +237,8 @@ def test_the_address_brings_everything_back(chromium: Any, many: tuple[xr.Datase
     assert page.rows() == ["3", "5", "4", "2"]
     assert page.pressed("#tilt") == "false"
     assert len(page.numbers("#flow")) == 2
+    dashes = page.tab.locator("#legend line").all()
+    assert len({line.evaluate("line => getComputedStyle(line).strokeDasharray") for line in dashes}) == len(dashes) == 2
     again = Opened(chromium, many[1], "#" + page.address().partition("#")[2])
     for part in ("#parallel", "#profiles", "#series"):
         assert again.drawn(part) == page.drawn(part)
@@ -326,6 +328,7 @@ def test_axes_have_labels_that_differ(chromium: Any, one: tuple[xr.Dataset, Path
         )
         assert len(set(texts)) == len(texts) >= 2, texts
         assert max(map(len, texts)) <= 8, texts
+    assert page.tab.evaluate("[exact(-1e-12, 1e-6), exact(-2e-6, 1e-6)]") == ["0.000000", "\N{MINUS SIGN}0.000002"]
     for low, high in ((3e-4, 2.0), (0.5, 0.9), (1e-9, 1e3), (0.03, 4.0)):
         texts = page.tab.evaluate(
             f"(() => {{ const {{ at, text }} = decades({low}, {high}, 4); return at.map(text); }})()"

@@ -68,7 +68,8 @@ function exact(value, step) {
   const decimals = Math.ceil(-Math.log10(step));
   if (decimals < 0 || decimals > 9) return minus(String(Number(value.toPrecision(7))));
   const before = Math.max(1, Math.ceil(Math.log10(Math.abs(value) + 1e-300)));
-  return minus(value.toFixed(Math.min(decimals, Math.max(0, 7 - before))));
+  const text = value.toFixed(Math.min(decimals, Math.max(0, 7 - before)));
+  return minus(Number(text) === 0 ? text.replace("-", "") : text);
 }
 
 // A canvas that fills its place, at the resolution of the screen.

@@ -307,7 +307,7 @@ function axisOf(panel) {
   const [low, high] = extent(ranges(false)).map((v) => v * panel.factor);
   if (panel.log && !state.linear) {
     const slowest = extent([runs.map(({ run }) => run.rest_speed / 3)])[0];
-    const foot = panel.unit === "m/s" ? slowest : Math.max(extent(ranges(true))[0], 1e-5 * high);
+    const foot = panel.unit === "m/s" ? slowest : Math.max(extent(ranges(true))[0], 20 * coarsest(panel)); // below, steps show
     if (high > 3 * foot) return { up: [foot, 1.3 * high], log: true };
   }
   return { up: roomy([low, high], panel.span, panel.name === "h"), log: false };
@@ -351,6 +351,7 @@ function values(place, texts, lead = "") {
   const spans = texts.map(([text, style]) => {
     const span = make("span", {}, text);
     span.style.color = style;
+    span.style.color = `color-mix(in srgb, ${style} 65%, var(--text))`; // so that it can be read, where browsers know how
     return span;
   });
   place.replaceChildren(...(lead ? [make("span", { className: "quiet" }, lead)] : []), ...spans);
@@ -362,10 +363,10 @@ function coarsest(panel) {
 }
 
 function readings(panel) {
-  return runs.flatMap(({ run, style }) => {
+  if (runs.every(({ run }) => cellOf(run) < 0)) return [];
+  return runs.map(({ run, style }) => {
     const i = cellOf(run);
-    if (i < 0) return [];
-    return [[exact(profile(run, panel.name)[i] * panel.factor, coarsest(panel)), style]];
+    return [exact(i < 0 ? NaN : profile(run, panel.name)[i] * panel.factor, coarsest(panel)), style];
   });
 }
 
@@ -455,10 +456,17 @@ function outcomesOf(row) {
   return texts.join(" \u00b7 ");
 }
 
+// A piece of a run's line.
+function swatchOf(style, dash) {
+  const svg = byId("swatch").content.cloneNode(true).firstElementChild;
+  svg.firstElementChild.style.stroke = style;
+  svg.firstElementChild.style.strokeDasharray = dash.join(" ");
+  return svg;
+}
+
 function drawLegend() {
   const items = runs.map(({ row, style, dash }) => {
-    const swatch = make("span", { className: `swatch dash${DASHES.indexOf(dash)}` });
-    swatch.style.borderColor = style;
+    const swatch = swatchOf(style, dash);
     const name = make("strong", {}, batch.rows.length > 1 ? batch.name(row) : "");
     const reserves = Object.entries(RESERVES).filter(([key]) => batch.reserves[key].has(row)).map(([, { sign, said }]) => `${sign} ${said}`);
     const status = table.status[row];
