@@ -24,5 +24,12 @@ def test_front_speed_and_volume_change_follow_from_what_is_sampled() -> None:
     np.testing.assert_array_equal(one["front_speed"], np.gradient(one["front"], one["series_time"]))
     assert float(one["volume_change"][0]) == pytest.approx(0.0, abs=1e-12)
     assert np.isnan(wg.simulate(small(**{"time.series": [0.2]}))["front_speed"]).all()
+    # whose end lies within a cell, and a profile of h and phi, on finer cells at first
+    profile = {"x": [-0.2, 0.0, 0.07], "h": [0.1, 0.14, 0.0], "phi": [0.55, 0.62, 0.58]}
+    for column in ({"column.length": 0.1234}, {"column": {"profile": profile}}):
+        for order in (1, 2):
+            case = small(**column, **{"scheme.order": order, "time.series": [0.0, 0.1]})
+            change = wg.simulate(case)["volume_change"]
+            assert float(change[0, 0]) == pytest.approx(0.0, abs=1e-12)
     film = small(**{"scheme.h_front": 1.0, "time.series": [0.0, 0.2]})  # nothing is that thick
     assert np.isnan(wg.simulate(film)["volume_change"]).all()

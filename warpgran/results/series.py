@@ -57,9 +57,15 @@ def _initial_mass(case: Case) -> float:
 
 
 def _initial_volume(case: Case) -> float:
-    """Volume per unit width [m2] of the cells that start with more than h_front, compacted; NaN if there are none."""
-    h, phi = case.initial_state()
-    return float(h[phi * h / case.rheology.phi_stat > case.h_front].sum() * case.dx) or float("nan")
+    """Volume per unit width [m2] of the cells that start with more than h_front, compacted; NaN if there are none.
+
+    As at t = 0 in the series: of a run that starts on finer cells it is of their means over its own.
+    """
+    start, a = case.refined(case.scheme.start_levels), case.scheme.alpha - 1.0
+    h, phi = start.initial_state()
+    U0, U2 = (each.reshape(case.grid.cells, -1).mean(axis=1) for each in (phi * h, phi**a * phi * h))
+    thick = U0 / case.rheology.phi_stat > case.h_front
+    return float((U0[thick] * (U0[thick] / U2[thick]) ** (1.0 / a)).sum() * case.dx) or float("nan")
 
 
 DERIVED: dict[str, Callable[[Samples], Array]] = {
