@@ -9,10 +9,11 @@ import shlex
 from collections.abc import Iterator
 from glob import glob
 from pathlib import Path
-from shutil import copytree
+from shutil import copyfile, copytree
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 import xarray
 from helpers.places import DOCS, ROOT, RUNS
@@ -22,11 +23,18 @@ from typer.testing import CliRunner
 import warpgran as wg
 from warpgran.cli.app import app
 
-DOCUMENTS = [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]
+DOCUMENTS = [ROOT / "README.md", *sorted(path for path in DOCS.rglob("*.md") if "made" not in path.parts)]
 SUITE = [*(ROOT / "warpgran").rglob("*.py"), *(ROOT / "kernels").rglob("*.py")]
 SLOW = ("calibrate", "reproduce", "verify")
 ELSEWHERE = ("cuda", "tcp://")
 """Arguments of commands that need another machine; these and the slow ones are parsed, not run."""
+OWN_DATA = DOCS / "how_to" / "own_data.md"
+MEASURED: dict[str, Any] = {
+    "x": np.linspace(-0.2, 1.4, 9), "b": np.linspace(0.1, 0, 9), "h": np.linspace(0.12, 0, 9), "phi": np.full(9, 0.6)
+}  # fmt: skip
+"""What the page on one's own data has from elsewhere."""
+LANGUAGES = (DOCS / "how_to" / "snakemake.md",)
+"""Documents whose blocks are of languages that look like Python."""
 BATCH = {"SLURM_ARRAY_TASK_ID": "3", "SLURM_CPUS_PER_TASK": "2"}
 
 
@@ -45,8 +53,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         patch.chdir(path)
         for name, value in BATCH.items():
             patch.setenv(name, value)
-        for name in ("dense_22deg", "loose_22deg"):
+        for name, *copies in (("dense_22deg", "a", "before"), ("loose_22deg", "b", "after", "out")):
             invoke("run", f"runs/{name}.toml", "--no-picture")
+            for copied in copies:
+                copyfile(f"{name}.h5", f"{copied}.h5")
+        (block,) = re.findall(r"^```toml\n(.*?)^```", OWN_DATA.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+        for name, text in (("flume", block), ("study", Path("sweep.toml").read_text(encoding="utf-8"))):
+            Path(f"{name}.toml").write_text(text, encoding="utf-8")
         yield path
 
 
@@ -56,10 +69,11 @@ def invoke(*arguments: str, allowed: tuple[int, ...] = (0,)) -> None:
 
 
 def python_blocks(path: Path) -> list[str]:
-    """The blocks of Python in a document; the example in the docstring of a module, if it has one."""
+    """The blocks of Python in a document, one after the other, or the example of a docstring."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".md":
-        return re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+        blocks = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+        return ["".join(blocks)] if blocks and path not in LANGUAGES else []
     strings = [ast.get_docstring(node) or "" for node in ast.walk(ast.parse(text))
                if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)]  # fmt: skip
     return [
@@ -68,10 +82,10 @@ def python_blocks(path: Path) -> list[str]:
 
 
 def commands(path: Path) -> list[list[str]]:
-    """The arguments of each `warpgran` in the blocks of code of a document."""
+    """The arguments of each `warpgran` in the blocks of code of a document, without what the shell does with it."""
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("    ")]
     parts = [part for line in lines for part in line.split("&&") if part.strip().startswith("warpgran ")]
-    return [shlex.split(part, comments=True)[1:] for part in parts]
+    return [shlex.split(part.partition(" > ")[0], comments=True)[1:] for part in parts]
 
 
 BLOCKS = [(path, block) for path in DOCUMENTS + SUITE for block in python_blocks(path)]
@@ -99,7 +113,7 @@ def test_python_runs(folder: Path, path: Path, block: str) -> None:
         with distributed.LocalCluster(n_workers=1, host="127.0.0.1", dashboard_address=None) as cluster:
             exec(block.replace("tcp://HOST:8786", cluster.scheduler_address), {})
     else:
-        exec(block, {})
+        exec(block, dict(MEASURED) if path == OWN_DATA else {})
     plt.close("all")
 
 
