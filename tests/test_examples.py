@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from glob import glob
 from pathlib import Path
 from shutil import copyfile, copytree
+from textwrap import dedent
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -76,9 +77,8 @@ def python_blocks(path: Path) -> list[str]:
         return ["".join(blocks)] if blocks and path not in LANGUAGES else []
     strings = [ast.get_docstring(node) or "" for node in ast.walk(ast.parse(text))
                if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)]  # fmt: skip
-    return [
-        block for string in strings for block in re.findall(r"^import warpgran.*", string, re.MULTILINE | re.DOTALL)
-    ]
+    block = re.compile(r"^( *)import warpgran[^\n]*(?:\n(?:\1[^\n]*)?)*", re.MULTILINE)
+    return [dedent(found[0]) for string in strings for found in block.finditer(string)]
 
 
 def commands(path: Path) -> list[list[str]]:
