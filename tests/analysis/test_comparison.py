@@ -81,7 +81,7 @@ def test_v_and_phi_are_compared_where_both_flow_and_h_everywhere() -> None:
     a, b = collapse(), collapse()
     for name in ("h", "v", "phi"):
         values = b[name].values.copy()
-        values[0, 0, -1] += 1e-4  # beyond the front, thinner than h_front = 1 mm
+        values[0, 0, -1] += 1e-4  # beyond the front, thinner than h_front = 1.4 mm
         b[name] = b[name].dims, values
     compared = compare(a, b)
     assert row(compared, "h").difference == pytest.approx(1e-4)
@@ -92,13 +92,13 @@ def test_v_and_phi_are_compared_where_both_flow_and_h_everywhere() -> None:
 def test_parameters_and_facts_that_differ_are_named() -> None:
     a, b = collapse(), collapse()
     a.attrs |= {"precision": "float64", "engine": "warp", "device": "cpu"}
-    text = CASE.replace("angle = 22.0", "angle = 16.0").replace("h_min = 7e-4\n", "")
+    text = CASE.replace("angle = 22.0", "angle = 16.0").replace("h_min = 3.5e-3\n", "")
     b.attrs = {"case_toml": text, "precision": "float32", "engine": "warp", "device": "cpu"}
     compared = compare(a, b)
     assert compared.identical  # parameters are no results
     assert compared.parameters.to_dict("index") == {
         "slope.angle": {"a": 22.0, "b": 16.0},
-        "scheme.h_min": {"a": 7e-4, "b": None},
+        "scheme.h_min": {"a": 3.5e-3, "b": None},
     }
     assert compared.facts.to_dict("index") == {"precision": {"a": "float64", "b": "float32"}}
 

@@ -22,7 +22,7 @@ def test_results_of_different_sweeps_are_joined_by_their_keys() -> None:
     many = wg.simulate(small(**SAMPLED).sweep({"slope.angle": [0.0, 10.0]}))
     with pytest.raises(ValueError, match="not present in all datasets"):
         joined(one, many)
-    keys = ("slope.angle", "rheology.phi_eq")
+    keys = ("slope.angle", "rheology.phi_eq", "time.rest_speed")  # which follows from the slope
     together = joined(*(wg.with_keys(data, *keys) for data in (one, many)))
     assert set(keys) <= set(swept(together))
     assert together["slope.angle"].values.tolist() == [16.0, 0.0, 10.0]

@@ -322,15 +322,16 @@ def test_choices_correlate_in_the_order_of_their_means() -> None:
 def test_keys_that_take_their_values_from_another_are_left_out() -> None:
     d = [1e-3, 2e-3]
     speeds = [case.rest_speed for case in Case().sweep({"column.height": [0.1, 0.2]})]
-    follows = batch(rheology__grain_diameter=d, scheme__h_min=d, slope__angle=[5.0, 5.0], scheme__h_front=[2e-3, 4e-3])
+    five = {"scheme__h_min": [5e-3, 1e-2]}
+    follows = batch(rheology__grain_diameter=d, **five, slope__angle=[5.0, 5.0], scheme__h_front=[2e-3, 4e-3])
     assert [key.name for key in varied_keys(follows)] == ["rheology.grain_diameter"]
-    second = batch(rheology__grain_diameter=d, scheme__h_min=[5e-3, 1e-2], scheme__order=[2, 2])
-    assert [key.name for key in varied_keys(second)] == ["rheology.grain_diameter"]
+    first = batch(rheology__grain_diameter=d, scheme__h_min=d, scheme__order=[1, 1])
+    assert [key.name for key in varied_keys(first)] == ["rheology.grain_diameter"]
     stops = batch(
         column__height=[0.1, 0.2], time__rest_speed=speeds, slope__angle=[0.0, 0.0], slope__gravity=[9.81, 9.81]
     )
     assert [key.name for key in varied_keys(stops)] == ["column.height"]
-    differs = batch(rheology__grain_diameter=d, scheme__h_min=[1e-3, 1e-3 + 1e-5])
+    differs = batch(rheology__grain_diameter=d, scheme__h_min=[5e-3, 1e-2 + 1e-5])
     assert [key.name for key in varied_keys(differs)] == ["rheology.grain_diameter", "scheme.h_min"]
 
 

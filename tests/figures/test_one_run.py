@@ -99,7 +99,7 @@ def test_page_says_what_its_results_must_not_be_read_without() -> None:
 def test_page_says_how_many_snapshots_it_shows() -> None:
     assert "8 of the 12 snapshots" in page(two_runs()).axes[6].texts[0].get_text()
     assert "snapshots" not in page(collapse()).axes[6].texts[0].get_text()
-    assert "> 1 mm." in page(collapse()).axes[6].texts[0].get_text()
+    assert "> 1.4 mm." in page(collapse()).axes[6].texts[0].get_text()
 
 
 @pytest.mark.parametrize(("snapshots", "samples", "label"), [(4, 0, "thickness $h$ (cm)"), (0, 9, "front position")])

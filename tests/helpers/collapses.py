@@ -39,9 +39,10 @@ cells = 240
 end = 0.9
 rest_speed = 1e-3
 [scheme]
-order = 1
-h_min = 7e-4
-h_front = 1e-3
+order = 2
+start = 2
+h_min = 3.5e-3
+h_front = 1.4e-3
 left = "wall"
 right = "open"
 """

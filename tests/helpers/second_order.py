@@ -13,8 +13,6 @@ from warpgran.case.case import Case
 WALLS: dict[str, Any] = {"scheme.left": "wall", "scheme.right": "wall"}
 PERIODIC: dict[str, Any] = {"scheme.left": "periodic", "scheme.right": "periodic"}
 OPEN: dict[str, Any] = {"scheme.left": "open", "scheme.right": "open"}
-SECOND: dict[str, Any] = {"scheme.order": 2, "scheme.h_min": 3.5e-3, "scheme.start": 0}
-"""Order 2 with the h_min of the table, five grains, without a start on finer cells."""
 CELLS = 128  # so that centres, and with them the interpolation of the tables, are exact
 
 
@@ -129,4 +127,4 @@ def held_heap(seed: int) -> Case:
                 if q[i] > 0.0:
                     break
             q[i] = max(q[i], 0.0)
-    return at_centres(q / s, phi, bed, **{**SECOND, **changes})
+    return at_centres(q / s, phi, bed, **changes)

@@ -1,11 +1,12 @@
-"""Functions of the kernels one by one, against the reference, against each other, and where they must be exact."""
+"""Functions of the kernels of order 1 one by one, against the reference, each other, and where they must be exact."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 import warp as wp
-from helpers.cases import small
+from helpers import cases
 from helpers.functions import Caller
 
 from warpgran.case.case import Case
@@ -19,6 +20,7 @@ from warpgran.physics.state import Fields
 from warpgran.solve.finished import fault
 from warpgran.solve.solver import Solver
 
+small = partial(cases.small, **cases.FIRST)
 CLOSE = {"float64": 1e-13, "float32": 1e-5}
 PRECISIONS = pytest.mark.parametrize("precision_name", CLOSE)
 RNG = np.random.default_rng(3)

@@ -107,28 +107,6 @@ def test_nothing_flows_in_through_open_ends() -> None:
     assert solid(run) < 0.999 * before
 
 
-def hill(shift: int = 0, /, **changes: Any) -> Case:
-    """A pile on a rough bed, with phi that varies, moved along by a number of CELLS; periodic."""
-    x = (np.arange(CELLS) + 0.5) / CELLS
-    h = np.maximum(0.1 - 0.5 * np.abs(x - 0.4), 0.0)
-    phi = 0.58 + 0.04 * np.sin(2.0 * np.pi * x)
-    bed = 0.002 * np.random.default_rng(3).standard_normal(CELLS)
-    return at_centres(*(np.roll(a, shift) for a in (h, phi, bed)), **{"slope.angle": 25.0, **PERIODIC, **changes})
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("angle", [0.0, 25.0, -35.0])
-@pytest.mark.parametrize("shift", [37, -60])
-def test_a_moved_state_gives_the_moved_result_to_the_bit(shift: int, angle: float) -> None:
-    here, there = (SecondOrder(hill(k, **{"slope.angle": angle})) for k in (0, shift))
-    before = here.U
-    for run in (here, there):
-        run.advance(0.6)
-    assert here.steps == there.steps
-    assert np.abs(here.U[0] - before[0]).max() > 0.003
-    np.testing.assert_array_equal(np.roll(here.U, shift, axis=1), there.U)
-
-
 def test_a_mirrored_case_gives_the_mirrored_result() -> None:
     case = rough(7, **{"scheme.left": "wall", "scheme.right": "open", "slope.angle": 20.0})
     column, bed = case.column.profile, case.slope.bed

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from helpers.cases import DIVERGING, small
+from helpers.cases import DIVERGING, ON_ONE_GRID, small
 
 import warpgran as wg
 from warpgran.case.case import Case
@@ -21,7 +21,7 @@ from warpgran.run.to_file import run_to_file
 from warpgran.schema import Status
 
 SERIES = {"time.series": {"every": 0.02}}
-SWEPT = ("slope.angle", "grid.cells", "scheme.viscosity", "rheology.K")
+SWEPT = ("slope.angle", "time.rest_speed", "grid.cells", "scheme.order", "scheme.h_min", "rheology.K")
 
 
 def written(path: Path, cases: list[Case]) -> xr.Dataset:
@@ -83,7 +83,7 @@ def test_the_file_holds_what_simulate_returns(batch: Path, cases: list[Case]) ->
 
 
 def test_one_run_on_one_grid(tmp_path: Path) -> None:
-    case = small(**SERIES)
+    case = small(**ON_ONE_GRID, **SERIES)
     data = written(tmp_path / "one.h5", [case])
     assert data["x"].dims == ("x",)
     assert data["bed"].dims == ("x",)

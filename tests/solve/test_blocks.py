@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from helpers.cases import small
+from helpers.cases import ON_ONE_GRID, small
 
 from warpgran.case.study import Study
 from warpgran.solve.blocks import CACHE, plan
@@ -13,7 +13,7 @@ from warpgran.solve.state import bytes_of_run
 
 @pytest.mark.parametrize(("runs", "threads"), [(1, 2), (5, 2), (64, 2), (100, 3), (257, 4)])
 def test_every_thread_has_as_many_blocks_and_they_are_alike(runs: int, threads: int) -> None:
-    case = small(**{"grid.cells": 1000})
+    case = small(**ON_ONE_GRID, **{"grid.cells": 1000})
     outputs = Outputs.of(case)
     study = Study.of([case] * runs)
     blocks = plan(study, range(runs), outputs, "float64", on_cpu=True, threads=threads, memory=1e12)
@@ -29,7 +29,7 @@ def test_every_thread_has_as_many_blocks_and_they_are_alike(runs: int, threads: 
 def test_of_blocks_that_start_on_finer_cells_the_part_that_starts_at_a_time_fits_the_cache(
     levels: int, times: int
 ) -> None:
-    case = small(**{"grid.cells": 1000, "scheme.order": 2, "scheme.start": levels})
+    case = small(**{"grid.cells": 1000, "scheme.start": levels})
     study = Study.of([case] * 1000)
     blocks = plan(study, range(1000), Outputs.of(case), "float64", on_cpu=True, threads=1, memory=1e12)
     most = times * CACHE // bytes_of_run(blocks[0].padded - 1, Outputs.none(), blocks[0].variant)

@@ -11,20 +11,21 @@ import numpy as np
 import pytest
 import warp as wp
 import xarray as xr
-from helpers.cases import DIVERGING, GPUS, small
+from helpers.cases import GPUS, ON_ONE_GRID, VIOLENT, small
 from helpers.places import TESTS
 
 import warpgran as wg
 from warpgran.case.case import Case
 from warpgran.case.study import Study
 from warpgran.errors import OptionError
-from warpgran.kernels.first import ARRAYS
+from warpgran.kernels.build import SCHEMES
 from warpgran.kernels.precision import MARGIN
 from warpgran.results.layout import Layout
 from warpgran.run.options import Options
 from warpgran.run.threads import _Workers
 from warpgran.solve.blocks import plan
 from warpgran.solve.device import DeviceError, find_devices
+from warpgran.solve.engines import run_kernels
 from warpgran.solve.finished import SCALARS
 from warpgran.solve.schedule import Outputs
 from warpgran.solve.solver import Solver
@@ -36,7 +37,7 @@ def cases() -> list[Case]:
     """Twelve runs that differ, the last of which diverges."""
     series = {"time.series": {"every": 0.05}}
     made = [small(**series, **{"slope.angle": 2.0 * r, "grid.cells": 100 + 10 * r}) for r in range(11)]
-    return [*made, small(**series, **DIVERGING)]
+    return [*made, small(**series, **VIOLENT)]
 
 
 def same_but_for_how(a: xr.Dataset, b: xr.Dataset) -> None:
@@ -126,7 +127,7 @@ def test_every_gpu_gets_runs(workers: int, sizes: list[int]) -> None:
 @pytest.mark.parametrize("padded", [96, 1024, 16_032])
 def test_a_state_of_most_runs_fits_the_largest_array(padded: int) -> None:
     few, variant = Outputs.of(small()), variant_of(small(), "float64")
-    arrays = len(ARRAYS)
+    arrays = len(SCHEMES[variant.order].arrays)
     runs = most_runs(padded, few, variant)
     assert arrays * (runs * (padded + MARGIN) + 4 * MARGIN) < 2**31
     assert arrays * (1.001 * runs + 1) * (padded + MARGIN) > 2**31
@@ -137,7 +138,8 @@ def test_a_state_of_most_runs_fits_the_largest_array(padded: int) -> None:
 
 @pytest.mark.parametrize(("fit", "sizes"), [(2.5, [2, 2, 1]), (4.0, [3, 2]), (9.0, [5])])
 def test_blocks_are_cut_to_the_memory(fit: float, sizes: list[int]) -> None:
-    study, outputs = Study.of([small()] * 5), Outputs.of(small())
+    case = small(**ON_ONE_GRID)  # for the memory of the start: test_start.py
+    study, outputs = Study.of([case] * 5), Outputs.of(case)
     (whole,) = plan(study, range(5), outputs, "float64", on_cpu=False, threads=1, memory=1e12)
     memory = fit * bytes_of_run(whole.padded - 1, outputs, whole.variant)
     made = plan(study, range(5), outputs, "float64", on_cpu=False, threads=1, memory=memory)
@@ -145,7 +147,7 @@ def test_blocks_are_cut_to_the_memory(fit: float, sizes: list[int]) -> None:
 
 
 def test_blocks_are_cut_to_the_largest_array() -> None:
-    case = small(**{"grid.cells": 9_000_000})
+    case = small(**ON_ONE_GRID, **{"grid.cells": 9_000_000})
     study = Study.of([case] * 12)
     made = plan(study, range(12), Outputs.of(case), "float32", on_cpu=False, threads=1, memory=1e15)
     most = most_runs(made[0].padded, Outputs.of(case), made[0].variant)
@@ -171,7 +173,7 @@ Solver(5000, 1024, variant_of(small(), "float64"), Outputs.of(small()))
 def test_no_room_is_told_with_what_would_fit() -> None:
     done = subprocess.run([sys.executable, "-c", NO_ROOM], capture_output=True, text=True, check=False, cwd=TESTS)
     said = done.stderr.splitlines()[-1]
-    assert said.startswith("MemoryError: cpu: no room for 5000 runs of 1023 cells, 1.2 GiB; ")
+    assert said.startswith("MemoryError: cpu: no room for 5000 runs of 1023 cells, 1.6 GiB; ")
     assert said.endswith(": give less to a block by --memory")
 
 
@@ -184,10 +186,8 @@ def bits(device: str, precision: str, lanes: int | None = None, chunk: int = 102
     padded = 256
     solver = Solver(len(batch), padded, variant_of(batch[0], precision), Outputs.of(batch[0]), device, lanes=lanes,
                     chunk=chunk)  # fmt: skip
-    solver.load(batch)
-    while not solver.replay():
-        pass
-    return [*solver.state.recorded_profiles(), solver.state.steps.numpy().copy(), solver.state.recorded_scalars()]
+    done = run_kernels(solver, batch, lambda t: True)
+    return [*done.profiles, done.steps, done.scalars]
 
 
 @pytest.mark.parametrize("gpu", GPUS)

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import EVERY_ENGINE, assert_same_bits, ran, small
-from helpers.second_order import OPEN, PERIODIC, SECOND, WALLS
+from helpers.cases import EVERY_ENGINE, VIOLENT, assert_same_bits, ran, small
+from helpers.second_order import OPEN, PERIODIC, WALLS
 
 import warpgran as wg
 from warpgran.case.case import Case
@@ -39,14 +39,10 @@ CASES: list[Any] = [
 ]  # fmt: skip
 
 
-def started(**changes: Any) -> Case:
-    return small(**{**SECOND, "grid.cells": 200, "scheme.start": 2, **changes})
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("changes", CASES)
 def test_kernels_agree_with_the_reference_at_all_times(changes: dict[str, Any], device: str) -> None:
-    case = started(**changes)
+    case = small(**changes)
     ours, theirs = (ran(engine, case, MANY) for engine in (device, "numpy"))
     assert ours.steps == theirs.steps
     for name, scale in (("h", 0.1), ("v", 1.0), ("phi", 1.0)):
@@ -56,7 +52,7 @@ def test_kernels_agree_with_the_reference_at_all_times(changes: dict[str, Any], 
 
 
 def test_a_start_changes_the_result() -> None:
-    with_it, without = (ran("kernels", started(**{"scheme.start": levels}), [0.0, 0.1]) for levels in (2, 0))
+    with_it, without = (ran("kernels", small(**{"scheme.start": levels}), [0.0, 0.1]) for levels in (2, 0))
     assert with_it.steps > without.steps
     assert 1e-4 < np.abs(with_it.h[1] - without.h[1]).max()
 
@@ -88,7 +84,7 @@ OFTEN: dict[str, Any] = {"time.series": {"every": 0.004}, "time.end": 0.1, "time
 
 @pytest.mark.parametrize("precision", ["float64", "float32"])
 def test_a_batch_gives_the_bits_of_single_runs(precision: str, device: str) -> None:
-    cases = [started(**{**OFTEN, **changes}) for changes in MIXED]
+    cases = [small(**{**OFTEN, **changes}) for changes in MIXED]
     singles = [kept([case], device, precision)[0] for case in cases]
     for capacity in (len(cases), 20):  # one run and several that start at a time
         assert_same_bits(kept(cases, device, precision, capacity), singles)
@@ -96,13 +92,13 @@ def test_a_batch_gives_the_bits_of_single_runs(precision: str, device: str) -> N
 
 @pytest.mark.parametrize("changes", MIXED)
 def test_the_window_changes_no_bit(changes: dict[str, Any], device: str) -> None:
-    case = started(**{"grid.cells": 300, **OFTEN, **changes})
+    case = small(**{"grid.cells": 300, **OFTEN, **changes})
     full = case.with_(**{"scheme.window": False})
     assert_same_bits(kept([case], device), kept([full], device))
 
 
 def test_a_solver_loaded_again_remembers_nothing(device: str) -> None:
-    case, other = started(**OFTEN), started(**{**OFTEN, "slope.angle": 40.0, "scheme.h_bed": 1e-3})
+    case, other = small(**OFTEN), small(**{**OFTEN, "slope.angle": 40.0, "scheme.h_bed": 1e-3})
     solver = Solver.holding([other] * 5, device=device)
     for cases in ([other] * 5, [case]):
         done = run_kernels(solver, cases, lambda t: True)
@@ -112,7 +108,7 @@ def test_a_solver_loaded_again_remembers_nothing(device: str) -> None:
 
 
 def test_replays_of_any_length_give_the_same_bits(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    case = started(**OFTEN)
+    case = small(**OFTEN)
     whole = kept([case], device)
     replay = Solver.replay
     monkeypatch.setattr(Solver, "replay", lambda self, budget=None: replay(self, 7))
@@ -120,7 +116,7 @@ def test_replays_of_any_length_give_the_same_bits(device: str, monkeypatch: pyte
 
 
 def test_threads_and_blocks_change_no_bit() -> None:
-    study = [started(**{**OFTEN, "column.phi": phi}) for phi in np.linspace(0.56, 0.62, 5)]
+    study = [small(**{**OFTEN, "column.phi": phi}) for phi in np.linspace(0.56, 0.62, 5)]
     one, two = (wg.simulate(study, threads=threads) for threads in (1, 2))
     for name in ("h", "v", "phi", "front", "steps"):
         np.testing.assert_array_equal(one[name], two[name])
@@ -132,7 +128,7 @@ def test_threads_and_blocks_change_no_bit() -> None:
 def test_what_friction_holds_stays_to_the_bit(engine: str, precision: str) -> None:
     x = np.linspace(0.0, 1.0, 101)
     slope = {"column.profile": {"x": x, "h": 0.05 + 0.1 * x, "phi": 0.6 - 0.1 * x}, "slope.angle": 3.0}
-    case = started(**{**slope, **WALLS, "grid.left": 0.0, "grid.right": 1.0})
+    case = small(**{**slope, **WALLS, "grid.left": 0.0, "grid.right": 1.0})
     done = ran(engine, case, [0.0, 0.002, 0.1], "float64" if engine == "numpy" else precision)
     for field in (done.h, done.phi):
         np.testing.assert_array_equal(field[1:], field[:1].repeat(2, axis=0))
@@ -141,13 +137,13 @@ def test_what_friction_holds_stays_to_the_bit(engine: str, precision: str) -> No
 
 @pytest.mark.parametrize("engine", EVERY_ENGINE)
 def test_no_mass_is_lost(engine: str) -> None:
-    mass = ran(engine, started(), MANY).scalars["mass"]
+    mass = ran(engine, small(), MANY).scalars["mass"]
     np.testing.assert_allclose(mass, mass[0], rtol=1e-13)
 
 
 @pytest.mark.parametrize("engine", EVERY_ENGINE)
 def test_cell_steps_are_those_of_each_level(engine: str) -> None:
-    case = started(**{"time.end": 1e-3, "time.snapshots": [1e-3], "time.series": []})  # within the finest level
+    case = small(**{"time.end": 1e-3, "time.snapshots": [1e-3], "time.series": []})  # within the finest level
     if engine == "numpy":
         done = run_reference([case], lambda t: True)
     else:
@@ -156,8 +152,8 @@ def test_cell_steps_are_those_of_each_level(engine: str) -> None:
         )
     assert done.cell_steps[0] == done.steps[0] * 4 * case.grid.cells
     both = [
-        run_reference([started()], lambda t: True),
-        run_kernels(Solver.holding([started()]), [started()], lambda t: True),
+        run_reference([small()], lambda t: True),
+        run_kernels(Solver.holding([small()]), [small()], lambda t: True),
     ]
     assert both[0].cell_steps[0] == both[1].cell_steps[0] > both[0].steps[0] * case.grid.cells
 
@@ -165,14 +161,14 @@ def test_cell_steps_are_those_of_each_level(engine: str) -> None:
 @pytest.mark.parametrize("limit", [1, 5, 40, 60, 61])
 @pytest.mark.parametrize("engine", EVERY_ENGINE)
 def test_the_step_limit_counts_the_steps_of_all_levels(limit: int, engine: str) -> None:
-    done = ran(engine, started(**{"time.step_limit": limit}), [0.0, 0.001, 0.2])
+    done = ran(engine, small(**{"time.step_limit": limit}), [0.0, 0.001, 0.2])
     assert (done.steps, done.status) == (limit, Status.STEP_LIMIT)
     assert np.isfinite(done.h[0]).all() and np.isnan(done.h[2]).all()
     assert 0.0 < done.end_time < 0.2
 
 
 def test_a_limit_at_the_end_of_a_level_is_that_of_the_reference(device: str) -> None:
-    run = reference(started())
+    run = reference(small())
     ends: list[int] = []
     while len(ends) < 2:
         cells = run.case.grid.cells
@@ -180,7 +176,7 @@ def test_a_limit_at_the_end_of_a_level_is_that_of_the_reference(device: str) -> 
         if run.case.grid.cells < cells:
             ends.append(run.steps)
     for limit in (ends[0], ends[0] + 1, ends[1]):
-        case = started(**{"time.step_limit": limit})
+        case = small(**{"time.step_limit": limit})
         ours, theirs = (ran(engine, case, [0.0, 0.2]) for engine in (device, "numpy"))
         assert ours.steps == theirs.steps == limit
         assert ours.status == theirs.status == Status.STEP_LIMIT
@@ -188,7 +184,7 @@ def test_a_limit_at_the_end_of_a_level_is_that_of_the_reference(device: str) -> 
 
 
 def test_no_more_steps_once_told_to_stop(device: str) -> None:
-    cases = [started()] * 3
+    cases = [small()] * 3
     solver = Solver.holding(cases, device=device)
     solver.finer(2, 1).steps_per_replay = 7
     done = run_kernels(solver, cases, lambda t: False)
@@ -198,7 +194,7 @@ def test_no_more_steps_once_told_to_stop(device: str) -> None:
 
 
 def test_rest_within_the_start_is_that_of_the_reference(device: str) -> None:
-    case = started(**{"time.stop_at_rest": True, "slope.angle": 0.0, "column.length": 0.8, **WALLS})
+    case = small(**{"time.stop_at_rest": True, "slope.angle": 0.0, "column.length": 0.8, **WALLS})
     times = [0.0, 0.002, 0.01, 0.1]
     ours, theirs = (ran(engine, case, times) for engine in (device, "numpy"))
     assert ours.status == theirs.status == Status.AT_REST
@@ -209,7 +205,7 @@ def test_rest_within_the_start_is_that_of_the_reference(device: str) -> None:
 
 
 def test_memory_of_a_block_holds_the_start() -> None:
-    case = started(**{"grid.cells": 1000})
+    case = small(**{"grid.cells": 1000})
     outputs, variant = Outputs.of(case), variant_of(case, "float64")
     size, start = bytes_of_run(1023, outputs, variant), bytes_of_start(1023, 2, variant)
     assert start > 5 * bytes_of_run(1023, Outputs.none(), variant)
@@ -228,16 +224,14 @@ def test_memory_of_a_block_holds_the_start() -> None:
 
 
 def test_runs_with_other_starts_are_in_other_blocks() -> None:
-    cases = [started(**{"scheme.start": levels}) for levels in (0, 2, 0, 2, 1)]
+    cases = [small(**{"scheme.start": levels}) for levels in (0, 2, 0, 2, 1)]
     blocks = plan(Study.of(cases), range(5), Outputs.of(cases[0]), "float64", on_cpu=True, threads=1, memory=1e12)
     assert sorted(block.runs for block in blocks) == [(0, 2), (1, 3), (4,)]
 
 
 @pytest.mark.parametrize("times", [[0.1], [0.001, 0.1]])
 def test_a_run_that_diverges_in_the_start_is_named_by_its_finer_cell(times: list[float], device: str) -> None:
-    x = np.linspace(0.0, 0.4, 41)
-    violent = {"column.profile": {"x": x, "h": 0.1 - 0.2 * x, "v": np.where(x > 0.2, 1e160, 0.0)}}
-    ours, theirs = (ran(engine, started(**violent), times) for engine in (device, "numpy"))
+    ours, theirs = (ran(engine, small(**VIOLENT), times) for engine in (device, "numpy"))
     assert ours.status == theirs.status == Status.DIVERGED
     assert (ours.steps, ours.end_time) == (theirs.steps, theirs.end_time)
     assert ours.failure is not None and theirs.failure is not None
@@ -246,9 +240,7 @@ def test_a_run_that_diverges_in_the_start_is_named_by_its_finer_cell(times: list
 
 
 def test_a_diverged_run_leaves_the_others_alone(device: str) -> None:
-    x = np.linspace(0.0, 0.4, 41)
-    violent = {"column.profile": {"x": x, "h": 0.1 - 0.2 * x, "v": np.where(x > 0.2, 1e160, 0.0)}}
-    good, bad = started(**OFTEN), started(**{**OFTEN, **violent})
+    good, bad = small(**OFTEN), small(**{**OFTEN, **VIOLENT})
     batch, alone = wg.simulate([good, bad, good], device=device, threads=1), wg.simulate(good, device=device)
     assert list(batch["status"]) == [Status.OK, Status.DIVERGED, Status.OK]
     for r in (0, 2):

@@ -1,4 +1,4 @@
-"""What the paper proves of the scheme: Theorem B.1, the steady states (3.13), and the energy inequality (2.7).
+"""What the paper proves of its scheme: Theorem B.1, the steady states (3.13), and the energy inequality (2.7).
 
 Each holds for the finite volume step alone, so dilatancy (K = 0) and viscosity (xi = 0) are off unless said.
 """
@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.cases import EVERY_ENGINE, Ran, at_centres, ran, small
+from helpers.cases import EVERY_ENGINE, FIRST, Ran, at_centres, ran, small
 
 from warpgran.case.case import Case
 
-FINITE_VOLUMES: dict[str, Any] = {"rheology.K": 0.0, "scheme.xi": [0.0, 0.0, 0.0]}
+FINITE_VOLUMES: dict[str, Any] = {**FIRST, "rheology.K": 0.0, "scheme.xi": [0.0, 0.0, 0.0]}
 CELLS = 128
 
 pytestmark = pytest.mark.parametrize("engine", EVERY_ENGINE)
@@ -77,7 +77,7 @@ def test_keeps_the_second_family_of_steady_states(engine: str, mu: float, alpha:
 
 def heap(slope: float, K: float) -> Case:
     x = (np.arange(CELLS) + 0.5) / CELLS
-    return at_centres(0.25 - slope * np.abs(x - 0.5), 0.6, **{"rheology.K": K})
+    return at_centres(0.25 - slope * np.abs(x - 0.5), 0.6, **FIRST, **{"rheology.K": K})
 
 
 @pytest.mark.parametrize(("slope", "K"), [(0.47, 0.0), (0.5, 4.09)])  # mu = 0.48, and 0.48 + 4.09 (0.6 - 0.582)
@@ -103,6 +103,7 @@ def test_constant_phi_stays_constant(engine: str, alpha: float, viscosity: float
     data = rough(5)
     data["phi"] = np.full(CELLS, 0.6)
     changes: dict[str, Any] = {
+        **FIRST,
         "rheology.K": 0.0,
         "scheme.alpha": alpha,
         "scheme.xi": [viscosity, viscosity, 2.5 * viscosity],
@@ -141,7 +142,7 @@ def test_energy_does_not_grow(engine: str, seed: int, cfl: float, friction: floa
 
 
 def test_mass_of_a_whole_collapse(engine: str) -> None:
-    done = run(engine, small(**{"scheme.right": "wall"}), (0.0, 0.6))
+    done = run(engine, small(**FIRST, **{"scheme.right": "wall"}), (0.0, 0.6))
     before, after = done.scalars["mass"]
     assert after == pytest.approx(before, rel=1e-12)
     assert done.scalars["front"][1] > 0.3
