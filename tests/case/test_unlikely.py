@@ -70,7 +70,7 @@ def test_the_run_files_here_are_likely(path: Path) -> None:
         (
             {"time.step_limit": 5000},
             {"time.step_limit": 4000},
-            "time.step_limit: 4000 is reached before time.end; likely: more than 4.69e+03, the least it takes",
+            "time.step_limit: 4000 is reached before time.end; likely: more than 4.69e+03, what its waves take",
         ),
     ],
 )

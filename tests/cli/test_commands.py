@@ -16,9 +16,11 @@ from typer.testing import CliRunner, Result
 
 import warpgran as wg
 from warpgran.case import read_study
+from warpgran.case.case import Case
 from warpgran.cli.app import app
 from warpgran.cli.arguments import bytes_of
 from warpgran.schema import Status
+from warpgran.solve.expected_steps import expected_steps
 
 QUICK = """
 title = "Quick"
@@ -96,6 +98,9 @@ def test_check_says_what_a_run_asks_for(folder: Path) -> None:
     result = warpgran("check", "quick.toml")
     assert result.exit_code == 0
     assert "200 cells of 4 mm" in result.stdout
+    steps, cell_steps = expected_steps(Case.from_toml("quick.toml"))
+    assert f", about {steps} steps\n" in result.stdout
+    assert f"\nabout {cell_steps:.3g} cell-steps\n" in result.stdout
     assert "5 snapshots and 201 samples" in result.stdout
     assert names(folder) == ["quick.toml"]
 

@@ -322,7 +322,7 @@ def test_choices_correlate_in_the_order_of_their_means() -> None:
 def test_keys_that_take_their_values_from_another_are_left_out() -> None:
     d = [1e-3, 2e-3]
     speeds = [case.rest_speed for case in Case().sweep({"column.height": [0.1, 0.2]})]
-    five = {"scheme__h_min": [5e-3, 1e-2]}
+    five: dict[str, Any] = {"scheme__h_min": [5e-3, 1e-2]}
     follows = batch(rheology__grain_diameter=d, **five, slope__angle=[5.0, 5.0], scheme__h_front=[2e-3, 4e-3])
     assert [key.name for key in varied_keys(follows)] == ["rheology.grain_diameter"]
     first = batch(rheology__grain_diameter=d, scheme__h_min=d, scheme__order=[1, 1])

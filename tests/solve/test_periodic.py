@@ -33,7 +33,9 @@ def fields(done: Ran) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_kernels_agree_with_numpy_over_100_steps_of_any_option(seed: int) -> None:
-    case = drawn(seed, order=1).with_(**PERIODIC, **{"column.start": -0.3})  # beside the left end: mass falls to the right one
+    case = drawn(seed, order=1).with_(
+        **PERIODIC, **{"column.start": -0.3}
+    )  # beside the left end: mass falls to the right one
     kernels, reference = (ran(engine, case) for engine in ENGINES)
     assert kernels.steps == reference.steps == 100
     scale = np.abs(reference.U).max(axis=1, keepdims=True)
@@ -111,7 +113,9 @@ def test_one_periodic_end_is_refused(key: str, other: str, value: str) -> None:
 
 def test_a_sweep_from_walls_to_periodic_ends() -> None:
     ends = ["wall", "periodic"]
-    study = hill(**{"time.end": 0.8, "time.snapshots": [0.8]}).sweep({"scheme.left": ends, "scheme.right": ends}, mode="zip")
+    study = hill(**{"time.end": 0.8, "time.snapshots": [0.8]}).sweep(
+        {"scheme.left": ends, "scheme.right": ends}, mode="zip"
+    )
     data = wg.simulate(study)
     for r, case in enumerate(study):
         np.testing.assert_array_equal(data["h"][r], wg.simulate(case)["h"][0])

@@ -132,7 +132,8 @@ def test_the_window_grows_before_mass_passes_it(start: int, device: str) -> None
     for left in (start + np.arange(0, 32, 4)) / 300 * 0.8 - 0.2:
         column = {"grid.cells": 300, "column.start": float(left), "column.length": 0.1}
         limited, full = (
-            ran(device, small(**ON_ONE_GRID, **column, **steep, **{"scheme.window": on}), [0.1, 0.2]) for on in (True, False)
+            ran(device, small(**ON_ONE_GRID, **column, **steep, **{"scheme.window": on}), [0.1, 0.2])
+            for on in (True, False)
         )
         np.testing.assert_array_equal(limited.U, full.U)
         np.testing.assert_array_equal(limited.phi, full.phi)

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpgran.case.case import Case
-from warpgran.case.least_steps import least_steps
 from warpgran.case.problems import Problem, values_in_words
 from warpgran.case.sampled_runs import sampled_runs
 from warpgran.case.study import Study
+from warpgran.case.wave_steps import steps_over, wave_speed
 
 STEEPEST = 10.0
 """Of a bed against the plane, degrees."""
@@ -156,10 +156,10 @@ def _tall_column(case: Case) -> Problem | None:
 
 
 def _low_step_limit(case: Case) -> Problem | None:
-    steps = least_steps(case)
+    steps = steps_over(case, case.time.end, wave_speed(case))
     if steps <= case.time.step_limit:
         return None
-    message = f"{case.time.step_limit} is reached before time.end; likely: more than {steps:.3g}, the least it takes"
+    message = f"{case.time.step_limit} is reached before time.end; likely: more than {steps:.3g}, what its waves take"
     return Problem("time.step_limit", message)
 
 

@@ -18,10 +18,10 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     """Check a run file without running it: mistakes, unlikely values, grid, outputs, steps, memory and file size."""
     from warpgran.analysis.units import unit_of
     from warpgran.case.calibration_section import NAME, read_calibration
-    from warpgran.case.least_steps import least_steps
     from warpgran.case.sampled_runs import sampled_runs
     from warpgran.case.toml import load
     from warpgran.results.layout import Layout
+    from warpgran.solve.expected_steps import expected_steps
     from warpgran.solve.state import bytes_of_run, bytes_of_start
     from warpgran.solve.variant import variant_of
 
@@ -29,7 +29,7 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     fitted = [*read_calibration(file, set_ or ()).priors] if NAME in load(str(file))[1] else []
     layout = Layout(study)
     counted = sampled_runs({}, len(study), COUNTED)
-    cell_steps = sum(least_steps(case) * case.grid.cells for case in map(study.__getitem__, counted))
+    cell_steps = sum(expected_steps(study[r]).cell_steps for r in counted)
     per_run = 8 * sum(math.prod(column.shape) for column in layout.columns.values())
     case, outputs = study.base, layout.outputs
     runs = "1 run" if len(study) == 1 else f"{len(study)} runs"
@@ -40,9 +40,9 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     if fitted:
         say(f"warpgran calibrate fits {', '.join(fitted)}")
     dx = unit_of(case.dx).text(case.dx)
-    say(f"{layout.cells} cells of {dx}, t = {case.time.end:g} s, {least_steps(case):.10g} steps or more")
+    say(f"{layout.cells} cells of {dx}, t = {case.time.end:g} s, about {expected_steps(case).steps} steps")
     say(f"{outputs.snapshots} snapshots and {outputs.samples} samples")
-    say(f"{cell_steps * len(study) / len(counted):.3g} cell-steps or more")
+    say(f"about {cell_steps * len(study) / len(counted):.3g} cell-steps")
     variant = variant_of(case, precision)
     memory = bytes_of_run(layout.cells, outputs, variant) + bytes_of_start(
         layout.cells, case.scheme.start_levels, variant

@@ -16,6 +16,7 @@ import warp as wp
 
 from warpgran.arrays import Array
 from warpgran.case.case import Case
+from warpgran.case.wave_steps import wave_speed
 from warpgran.kernels.build import build_means
 from warpgran.kernels.clock import OK, STEP_LIMIT
 from warpgran.kernels.precision import BLOCK
@@ -31,7 +32,7 @@ def solvers(solver: Solver, cases: Sequence[Case]) -> Generator[Solver, None, No
     at any time.
     """
     solver.load(cases)
-    waves = [float(np.sqrt(case.g_c * _finest(case).initial_state()[0].max())) for case in cases]
+    waves = [wave_speed(case.refined(case.scheme.start_levels)) for case in cases]
     levels = [case.scheme.start_levels if wave > 0.0 else 0 for case, wave in zip(cases, waves, strict=True)]
     started = np.flatnonzero(levels)
     if started.size:
@@ -46,10 +47,6 @@ def solvers(solver: Solver, cases: Sequence[Case]) -> Generator[Solver, None, No
 def group_size(capacity: int, levels: int) -> int:
     """Runs that are computed at a time on the finer cells of that many levels, of a block of some capacity."""
     return max(1, capacity >> levels)
-
-
-def _finest(case: Case) -> Case:
-    return case.refined(case.scheme.start_levels)
 
 
 def _start(
