@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import shutil
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -73,6 +74,18 @@ def calibrated(data: Path, output: Path, **more: Any) -> Calibrated:
     return wg.calibrate(case(), PRIORS, data, output=output, **{**SECTION, **more})
 
 
+@pytest.fixture(scope="module")
+def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where `whole` is kept."""
+    return tmp_path_factory.mktemp("whole")
+
+
+@pytest.fixture(scope="module")
+def whole(data: Path, output: Path) -> Calibrated:
+    """All stages at once."""
+    return calibrated(data, output)
+
+
 def bits(found: Any) -> list[bytes]:
     stages = found.stages
     arrays = [
@@ -86,9 +99,8 @@ def bits(found: Any) -> list[bytes]:
 
 @pytest.mark.slow
 def test_a_calibration_that_is_killed_goes_on_to_the_same_bits(
-    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    data: Path, whole: Calibrated, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = calibrated(data, tmp_path / "whole")
     calls = 0
     compute = Forward.__call__
 
@@ -128,30 +140,33 @@ def test_stages_can_be_asked_for_alone(data: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_other_measurements_are_another_posterior_of_the_same_runs(data: Path, tmp_path: Path) -> None:
-    first = calibrated(data, tmp_path / "out", stage="posterior")
+def test_other_measurements_are_another_posterior_of_the_same_runs(
+    data: Path, whole: Calibrated, output: Path, tmp_path: Path
+) -> None:
+    shutil.copytree(output, tmp_path / "out")
     other = tmp_path / "other"
     other.mkdir()
     text = (data / "front.csv").read_text().replace(",0.01\n", ",0.03\n")
     (other / "front.csv").write_text(text)
     second = calibrated(other, tmp_path / "out", stage="posterior")
-    assert second.stages.screening.predictions.tobytes() == first.stages.screening.predictions.tobytes()
-    assert second.table()["sd"]["rheology.mu1"] > 1.5 * first.table()["sd"]["rheology.mu1"]
+    assert second.stages.screening.predictions.tobytes() == whole.stages.screening.predictions.tobytes()
+    assert second.table()["sd"]["rheology.mu1"] > 1.5 * whole.table()["sd"]["rheology.mu1"]
 
 
 @pytest.mark.slow
 def test_the_command_prints_a_table_and_what_must_be_said(
-    data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    data: Path, whole: Calibrated, output: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "two.toml").write_text(RUN_FILE)
+    shutil.copytree(output, tmp_path / "two_calibration")
     monkeypatch.chdir(tmp_path)
     asked = ["calibrate", "two.toml", "--data", str(data)]
     monkeypatch.setattr(words, "LEAST_SIZE", 30.0)
     done = CliRunner().invoke(app, asked)
     assert done.exit_code == 0, done.output
     assert done.output.startswith("Two slopes\n")
-    assert "rheology.phi_stat" in done.output and "error of the model" in done.output and " runs in " in done.output
-    assert (tmp_path / "two_calibration" / "runs" / "screening.h5").exists()
+    assert "rheology.phi_stat" in done.output and "error of the model" in done.output
+    assert "\n0 runs in " in done.output  # all are those of `whole`
     monkeypatch.setattr(words, "LEAST_SIZE", 1e6)
     failed = CliRunner().invoke(app, asked)
     assert failed.exit_code == 1
@@ -181,9 +196,9 @@ def test_check_checks_the_section(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "sigma"), [(1, True), (2, False), (3, True)])
+@pytest.mark.parametrize(("seed", "sigma"), [(1, True), (2, False)])
 def test_truths_are_recovered_from_noisy_measurements(tmp_path: Path, seed: int, sigma: bool) -> None:
-    """Three experiments of the rank histogram in benchmarks/coverage.py."""
+    """Two experiments of the rank histogram in benchmarks/coverage.py."""
     made = coverage()
     base = made.base_case(60)
     rng = np.random.default_rng([7, seed])
