@@ -44,6 +44,25 @@ def test_lines_are_of_all_runs_in_the_units_of_the_axes() -> None:
     np.testing.assert_allclose(np.asarray(fronts[0].get_ydata()), collapse()["front"].values[0])
 
 
+def test_beds_that_are_not_flat_have_a_panel_with_every_surface() -> None:
+    bumpy, steep = collapse(), collapse()
+    bumpy["bed"] = "x", 0.05 * np.exp(-(((bumpy["x"].values - 0.3) / 0.1) ** 2))
+    steep["bed"] = "x", 300.0 - 30.0 * steep["x"].values
+    for other, unit, factor in ((bumpy, "cm", 100.0), (steep, "m", 1.0)):
+        figure = wg.plot(collapse(), other)
+        assert len(figure.axes) == 9
+        panel = figure.axes[0]
+        assert panel.get_ylabel() == f"bed $b$, surface\n$b + h$ ({unit})"
+        surface, bed = (np.asarray(line.get_ydata()) for line in panel.lines[2:])
+        x = np.asarray(panel.lines[2].get_xdata())
+        there = other.isel(run=0, time=-1).sel(x=x, method="nearest")
+        np.testing.assert_allclose(bed, factor * there["bed"].values)
+        mass = np.isfinite(surface)
+        np.testing.assert_allclose(surface[mass], factor * (there["bed"] + there["h"]).values[mass])
+        assert 0.9 < mass.mean() < 1.0
+    assert len(wg.plot(collapse(), collapse()).axes) == 8
+
+
 def test_only_instants_that_all_share_are_drawn() -> None:
     instants = [ax.texts[0].get_text() for ax in wg.plot(collapse(snapshots=4), collapse(snapshots=7)).axes if ax.texts]
     assert instants == [f"$t$ = {t} s" for t in ("0", "0.3", "0.6", "0.9")]

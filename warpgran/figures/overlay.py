@@ -10,15 +10,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
+from warpgran.analysis.derived import thick
 from warpgran.analysis.run_columns import RunColumns
-from warpgran.analysis.units import Lengths
+from warpgran.analysis.units import Lengths, unit_of
 from warpgran.arrays import Array
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.sweep_section import KINDS
 from warpgran.errors import ResultError
 from warpgran.figures.heading import MAIN_KEYS, MARKUP, heading, reserves
 from warpgran.figures.names import named
-from warpgran.figures.one_run import HEIGHT, POSITION, PROFILES, SERIES
+from warpgran.figures.one_run import BED_GAP, BED_HEIGHT, HEIGHT, POSITION, PROFILES, SERIES
 from warpgran.figures.selection import OneRun, computed_snapshots, one_run, wet_range
 from warpgran.figures.style import COLOURS, DASHES, THIN, TIME_LABEL, WIDTH, Sheet, hold_open, letter
 from warpgran.printable import printable
@@ -73,15 +74,21 @@ def draw_overlay(results: Sequence[RunColumns], run: int | None, labels: Sequenc
     rows = sum(1 + label.count("\n") for label in said[:: columns if columns > 1 else 1])
     title, below = _heading(runs), 0.5 + 0.16 * rows
     head = 0.25 + 0.18 * (1 + title.count("\n"))
-    height = HEIGHT - 1.09 + below
+    on_bed = bool(instants.size) and any(np.ptp(one.bed) > 0.0 for one in runs)
+    above = head + (BED_HEIGHT + BED_GAP if on_bed else 0.0)
+    height = HEIGHT - 1.09 + below + above - head
     figure = Sheet(figsize=(WIDTH, height))
-    place = {"top": 1 - head / height, "bottom": below / height, "hspace": 0.18}
+    place = {"top": 1 - above / height, "bottom": below / height, "hspace": 0.18}
     middle = 0.085 if not instants.size else 0.58
     axes: list[Axes] = []
+    if on_bed:
+        axes.append(figure.add_axes((0.085, 1 - (head + BED_HEIGHT) / height, 0.89, BED_HEIGHT / height)))
+        _draw_on_beds(lines, float(instants[-1]), axes[0], lengths)
     if instants.size:
         grid = figure.add_gridspec(instants.size, 1, left=0.085, right=0.475 if sampled else 0.975, **place)
-        axes += list(grid.subplots(sharex=True, sharey=True, squeeze=False).flat)
-        _draw_profiles(lines, instants, axes, lengths)
+        profiles: list[Axes] = list(grid.subplots(sharex=True, sharey=True, squeeze=False).flat)
+        _draw_profiles(lines, instants, profiles, lengths)
+        axes += profiles
     if sampled:
         grid = figure.add_gridspec(len(SERIES), 1, left=middle, right=0.975, **place)
         panels: list[Axes] = list(grid.subplots(sharex=True, squeeze=False).flat)
@@ -169,6 +176,20 @@ def _shared_instants(lines: Sequence[Line]) -> Array:
         return shared
     chosen = np.linspace(1, shared.size - 1, MAX_INSTANTS).round().astype(int)
     return np.asarray(shared[chosen])
+
+
+def _draw_on_beds(lines: Sequence[Line], t: float, ax: Axes, lengths: Lengths) -> None:
+    """The free surface of every run on its bed, at one instant [s]."""
+    parts = [line.snapshots.at(cells=wet_range(line.snapshots)) for line in lines]
+    along, up = unit_of(lengths.along), unit_of(max(lengths.thick, *(float(np.ptp(there.bed)) for there in parts)))
+    for line, there in zip(lines, parts, strict=True):
+        instant = int(np.argmin(np.abs(there.time - t)))
+        surface = np.where(thick(there)[instant], there.bed + there.h[instant], np.nan)
+        ax.plot(along.factor * there.x, up.factor * surface, **line.look)
+        ax.plot(along.factor * there.x, up.factor * there.bed, color="0.3", linewidth=0.8, zorder=1)
+    ax.margins(x=0.0)
+    ax.text(0.985, 0.86, f"$t$ = {t:g} s", transform=ax.transAxes, ha="right", va="top")
+    ax.set_ylabel(f"bed $b$, surface\n$b + h$ ({up.name})")
 
 
 def _draw_profiles(lines: Sequence[Line], instants: Array, axes: Sequence[Axes], lengths: Lengths) -> None:
