@@ -1,1 +1,1 @@
-"""Which parameters matter: indices of a design of runs, what they must not be read without, tables and figures."""
+"""Which parameters matter: indices of a design of runs, what to know of them, tables and figures."""
