@@ -96,7 +96,9 @@ PER_RUN = {
     "end_time": Variable(("run",), "s", "time reached"),
     "failure": Variable(("run",), "1", "where and how the run diverged"),
     "run_out": Variable(("run",), "m", "way of the front from the first sample to the last"),
-    "h_max_final": Variable(("run",), "m", "maximum thickness at the last sample"),
+    "h_max_final": Variable(("run",), "m", "maximum thickness at the end"),
+    "v_flow_final": Variable(("run",), "m s-1", "v_flow at the end"),
+    "outflow_final": Variable(("run",), "1", "share of the solid that has left through the ends until the end"),
     "dilation_max": Variable(("run",), "1", "largest volume_change"),
     "stop_time": Variable(("run",), "s", "first sample after which v_flow stays below rest_speed"),
 }

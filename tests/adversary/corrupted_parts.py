@@ -14,7 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))  # for tests/helpers
 
-from helpers.attack import QUICK, SWEEP, Ended, prepared, report, same, tried, warpgran
+from helpers.attack import QUICK, SWEEP, Ended, asked, prepared, report, same, tried, warpgran
 
 from warpgran.run.outcome import Outcome, Progress, Sink
 
@@ -23,10 +23,9 @@ TRIALS = 200
 
 def main() -> None:
     """Resume corrupted copies of the files of a study that was killed, or interrupted."""
-    rng = random.Random(1)
+    trials, rng = asked(TRIALS, seed=1)
     ended: list[Ended] = []
     findings: list[str] = []
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else TRIALS
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         whole = prepared(folder, QUICK + SWEEP, "--no-picture")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))  # for tests/helpers
 
-from helpers.attack import QUICK, SWEEP, Ended, prepared, report, same, warpgran
+from helpers.attack import QUICK, SWEEP, Ended, asked, prepared, report, same, warpgran
 from helpers.small_disk import small_disk
 
 TRIALS = 20
@@ -22,7 +22,7 @@ def main() -> None:
     """Run on disks of growing size."""
     ended: list[Ended] = []
     findings: list[str] = []
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else TRIALS
+    trials, _ = asked(TRIALS, seed=0)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         whole = prepared(folder, QUICK + SWEEP, "--no-picture")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))  # for tests/helpers
 
-from helpers.attack import QUICK, SWEEP, Ended, prepared, report, same, warpgran
+from helpers.attack import QUICK, SWEEP, Ended, asked, prepared, report, same, warpgran
 
 TRIALS = 60
 DESIGN = """
@@ -34,10 +34,9 @@ STUDIES = {
 
 def main() -> None:
     """Kill, resume, compare."""
-    rng = random.Random(2)
+    trials, rng = asked(TRIALS, seed=2)
     ended: list[Ended] = []
     findings: list[str] = []
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else TRIALS
     for n, (name, text) in enumerate(STUDIES.items()):
         with tempfile.TemporaryDirectory() as where:
             folder = Path(where)

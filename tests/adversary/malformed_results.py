@@ -15,36 +15,51 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent.parent))  # for tests/helpers
 
-from helpers.attack import QUICK, SWEEP, Ended, prepared, report, warpgran
+from helpers.attack import QUICK, SWEEP, Ended, asked, prepared, report, tried, warpgran
 
 TRIALS = 100
+PYTHON = ("wg.derive, wg.forces, wg.caveats, wg.with_keys",)
 COMMANDS = (
-    ("summary", "bad.h5"),
+    ("summary", "bad.h5", "--csv", "table.csv"),
+    ("view", "bad.h5"),
+    ("view", "../whole.h5", "bad.h5", "--runs", "3-5", "-o", "two.html"),
+    ("plot", "../whole.h5", "bad.h5", "-o", "two.png"),
     ("plot", "bad.h5", "-o", "a.png"),
     ("plot", "bad.h5", "--run", "3", "-o", "b.png"),
     ("animate", "bad.h5", "-o", "a.gif"),
     ("compare", "../whole.h5", "bad.h5"),
     ("compare", "bad.h5", "../whole.h5"),
     ("merge", "all.h5", "bad.h5"),
+    ("sensitivity", "bad.h5", "--no-picture"),
     ("run", "../case.toml", "-o", "bad.h5", "--resume", "--no-picture"),
 )
+DESIGN = """
+[sensitivity]
+samples = 2
+of = ["run_out", "h_max", "front@0.01"]
+[sensitivity.over]
+"rheology.mu1" = { mean = 0.48, sd = 0.05, low = 0.4 }
+"rheology.mu_wall" = { low = 0.01, high = 0.2, scale = "log" }
+"""
 
 
 def main() -> None:
     """Try every command on every file."""
-    rng = random.Random(3)
+    trials, rng = asked(TRIALS, seed=3)
     ended: list[Ended] = []
     findings: list[str] = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        prepared(folder, QUICK.replace("0.05", "0.02") + SWEEP)
-        for trial in range(int(sys.argv[1]) if len(sys.argv) > 1 else TRIALS):
-            here = folder / f"trial{trial}"
+        for kind, more in (("sweep", SWEEP), ("design", DESIGN)):
+            (folder / kind).mkdir()
+            prepared(folder / kind, QUICK.replace("0.05", "0.02") + more)
+        for trial in range(trials):
+            here = folder / ("sweep" if trial % 4 else "design") / f"trial{trial}"
             here.mkdir()
-            shutil.copy(folder / "whole.h5", here / "bad.h5")
+            shutil.copy(here.parent / "whole.h5", here / "bad.h5")
             how = _spoil_bytes(here / "bad.h5", rng) if trial % 3 == 0 else _spoil(here / "bad.h5", rng)
-            for command in COMMANDS:
-                end = warpgran(*command, folder=here)
+            for command in [*COMMANDS, PYTHON]:
+                end = tried(_derive, here) if command == PYTHON else warpgran(*command, folder=here)
                 wrong = end.finding
                 if not wrong and end.code == 2 and len(end.said.strip().splitlines()) != 1:
                     wrong = f"several lines: {end.said}"
@@ -52,6 +67,21 @@ def main() -> None:
                 findings += [f"trial {trial}, {how}, {' '.join(command)}: {wrong}"] if wrong else []
             shutil.rmtree(here)
     report("malformed results", ended, findings)
+
+
+def _derive() -> None:
+    """What Python is asked for with a result."""
+    import warpgran as wg
+
+    try:
+        with wg.open_dataset("bad.h5") as data:
+            wg.derive(data, "psi", "mu", "I")
+            wg.forces(data)
+            wg.caveats(data)
+            wg.with_keys(data, "rheology.K")
+    except (wg.WarpgranError, OSError) as error:  # OSError: of bytes that are read when they are used
+        print(" ".join(str(error).split()))
+        sys.exit(2)
 
 
 def _spoil_bytes(path: Path, rng: random.Random) -> str:

@@ -1,8 +1,9 @@
-"""Run files mutated at random, by text and by value: each is checked and, where it is valid, run for a few steps.
+"""Run files and measurements mutated at random, by text and by value: checked, computed for a few steps, and read.
 
     python tests/adversary/mutated_run_files.py --files 500 --seed 1
 
-No command may end in a traceback, crash or take longer than 20 s, and what a bad file is refused with may not steer the
+What a file asks for is tried: a run, a sweep, a design, a calibration or a study of grids, then what reads results. No
+command may end in a traceback, crash or take longer than 20 s, and what a bad file is refused with may not steer the
 terminal. Takes some minutes; the files that show a fault are kept.
 """
 
@@ -24,6 +25,27 @@ from helpers.places import ROOT
 BED = "x,b\n-0.2,0.0\n0.3,0.02\n1.6,0.0\n"
 PROFILE = "x,h,phi,v\n-0.2,0.1,0.6,0.0\n0.0,0.14,0.62,0.1\n0.2,0.0,0.6,0.0\n"
 TABLES = '[slope]\nangle = 16\nbed = "bed.csv"\n[column]\nprofile = "profile.csv"\n[time]\nend = 0.2\n'
+MEASURED = {
+    "front.csv": "angle,t,x,sigma\n10,0.05,0.02,0.01\n10,0.1,0.05,0.01\n22,0.05,0.03,0.01\n22,0.1,0.07,0.01\n",
+    "volume.csv": "angle,t,change,sigma\n10,0.1,0.02,0.01\n22,0.1,0.03,0.01\n",
+}
+CALIBRATION = (
+    "[time]\nend = 0.1\n[calibration.over]\n"
+    '"rheology.mu1" = { low = 0.3, high = 0.6 }\n"rheology.K" = { mean = 4.0, sd = 1.0, low = 0.0 }\n'
+)
+EXPERIMENTS = (
+    CALIBRATION + '[[calibration.experiments]]\ndata = "."\nset = { "column.phi" = 0.55 }\n'
+    '[[calibration.experiments]]\ndata = "measured"\n'
+)
+SAMPLED = (
+    '[time]\nend = 0.1\n[sweep]\nmode = "sobol"\nsamples = 4\n[sweep.over]\n'
+    '"rheology.K" = { low = 0.1, high = 8.0, log = true }\n"column.phi" = { low = 0.55, high = 0.62 }\n'
+)
+LOGARITHMIC = (
+    '[time]\nend = 0.1\n[sensitivity]\nsamples = 2\nof = ["run_out", "front", "h_max@0.05"]\n[sensitivity.over]\n'
+    '"rheology.mu_wall" = { low = 0.01, high = 0.3, scale = "log" }\n'
+    '"rheology.mu1" = { mean = 0.48, sd = 0.03, low = 0.4, high = 0.55 }\n'
+)
 DESIGN = (
     '[time]\nend = 0.1\nseries = { every = 0.05 }\n[sensitivity]\nmethod = "morris"\nsamples = 2\n'
     '[sensitivity.over]\n"rheology.K" = { low = 0, high = 4 }\n"slope.angle" = { mean = 10, sd = 2 }\n'
@@ -38,20 +60,46 @@ ODD = [
 STRANGE = [
     "\x00", "\x1b[31m", "\u202e", "\ud7ff", "\n", '"', "'", "[", "]", "=", "#", "{", "}", "\\", "\t", "é", "'''", '"""',
 ]  # fmt: skip
+FORMS = [
+    "{ low = 0, high = 4 }", "{ low = 4, high = 0 }", "{ low = 1, high = 1 }", "{ mean = 0.5, sd = 0.1 }",
+    "{ mean = 0.5, sd = 0 }", "{ mean = 0.5, sd = -1 }", "{ mean = 0.5, sd = 1e300 }", "{ mean = 0.5, sd = 5e-324 }",
+    "{ mean = 0.5, sd = 0.1, low = 0.5 }", "{ mean = 0.5, sd = 0.1, low = 40, high = 41 }", "{ mean = nan, sd = 1 }",
+    '{ low = 0, high = 1, scale = "log" }', '{ low = 1e-300, high = 1e300, scale = "log" }', "{ low = 0.5 }",
+    '{ low = 0.1, high = 1, scale = "log", log = false }', "{ low = 0.1, high = 1, log = true }", "{ sd = 1 }",
+    "{ low = -inf, high = inf }", "{ low = 0.5, high = 0.5000000000000001 }", "{ middle = 3 }", "[0.5, 0.6]",
+]  # fmt: skip
 QUICK = ["--set", "time.step_limit=30", "--set", "grid.cells=80"]
+FEW = [
+    word for key, value in (("screening", 8), ("starts", 1), ("particles", 8), ("chains", 2), ("predictive", 2))
+    for word in ("--set", f"calibration.{key}={value}")
+]  # fmt: skip
+"""Of a calibration that takes a second or two."""
+READ = [
+    ["summary", "out.h5"], ["summary", "out.h5", "--csv", "table.csv"], ["view", "out.h5"],
+    ["view", "out.h5", "out.h5"], ["view", "out.h5", "sound.h5", "--max-size", "1MB"], ["plot", "out.h5"],
+    ["plot", "out.h5", "--run", "0"], ["plot", "out.h5", "sound.h5"], ["animate", "out.h5"],
+    ["compare", "out.h5", "sound.h5"], ["compare", "sound.h5", "out.h5"], ["merge", "all.h5", "out.h5", "--force"],
+    ["sensitivity", "out.h5", "--no-picture"],
+]  # fmt: skip
+"""One of them after each run that wrote its file."""
+
+
+OURS = [TABLES, DESIGN, LOGARITHMIC, SAMPLED, CALIBRATION, EXPERIMENTS]
 
 
 def texts() -> list[str]:
     """Files to begin from."""
     ours = sorted((ROOT / "runs").rglob("*.toml"))
-    return [path.read_text(encoding="utf-8") for path in ours] + [TABLES, TABLES, DESIGN, DESIGN, ""]
+    return [path.read_text(encoding="utf-8") for path in ours] + [*2 * OURS, ""]
 
 
 def keys() -> list[str]:
-    """Every dotted key, those of a sweep too."""
+    """Every dotted key, those of the sections that make a study too."""
+    from warpgran.case.all_sections import ALL_SECTIONS
     from warpgran.case.sections import KEYS
 
-    return [*KEYS, "title", "sweep.mode", "sweep.samples", "sweep.seed", "sweep.from", "sweep.over.slope.angle"]
+    studies = ("sweep", "sensitivity", "calibration")
+    return [*KEYS, "title", *(f"{name}.{key}" for name in studies for key in ALL_SECTIONS[name].described())]
 
 
 def by_text(text: str, rng: random.Random) -> str:
@@ -89,8 +137,39 @@ def by_value(text: str, rng: random.Random) -> str:
 
 def overrides(known: list[str], rng: random.Random) -> list[str]:
     """Keys set to odd values on the command line."""
-    chosen = [f"{rng.choice(known)}={rng.choice(ODD)}" for _ in range(rng.randint(1, 3))]
+    chosen = []
+    for _ in range(rng.randint(1, 3)):
+        key = rng.choice(known)
+        over = key.endswith(".over") and rng.random() < 0.9
+        chosen.append(f"{key}.{rng.choice(known)}={rng.choice(FORMS)}" if over else f"{key}={rng.choice(ODD)}")
     return [word for change in chosen for word in ("--set", change.replace("\0", ""))]
+
+
+def commands_of(file: str, text: str, sets: list[str], rng: random.Random) -> list[list[str]]:
+    """What is tried with a file, one after the other while it goes well."""
+    found = [["check", file, *sets]]
+    if rng.random() > 0.8:
+        return found
+    quick = [*sets, *QUICK]
+    engine = ["--engine", rng.choice(["numpy", "numpy", "warp"])]
+    picture = [rng.choice(["--picture", "--no-picture"])]
+    words = [file, *quick, *engine, *picture, "-o", "out.h5", "--force"]
+    if "[calibration" in text and rng.random() < 0.8:
+        stage = rng.choice(["screening", "fit", "posterior", "predictive"])
+        return [*found, ["calibrate", file, "--data", "measured", "-o", "fitted", "--stage", stage, *quick, *FEW]]
+    if "[sensitivity" in text and rng.random() < 0.8:
+        return [*found, ["sensitivity", *words, *rng.choice([[], ["--drop-failed"]])]]
+    if rng.random() < 0.15:
+        return [*found, ["converge", file, *quick, "-o", "converged.png", "--csv", "converged.csv"]]
+    return [*found, ["run", *words, *rng.choice([[], [], ["--view"]])], rng.choice(READ), rng.choice(READ)]
+
+
+def measured(rng: random.Random, folder: Path) -> None:
+    """Write measurements, half of the time mutated ones."""
+    for name, text in MEASURED.items():
+        if rng.random() < 0.5:
+            text = rng.choice([by_text, by_value])(text, rng)
+        (folder / name).write_bytes(text.encode("utf-8", "replace"))
 
 
 def judged(attempt: Attempt) -> str:
@@ -99,6 +178,8 @@ def judged(attempt: Attempt) -> str:
         return attempt.fault
     if attempt.code not in (0, 1, 2):
         return f"exit status {attempt.code}"
+    if "RuntimeWarning" in attempt.text:
+        return "a warning of NumPy"
     steering = [c for c in attempt.text if not c.isprintable() and c not in "\n\xa0"]
     return f"writes {steering[:3]}" if steering else ""
 
@@ -112,8 +193,11 @@ def main() -> None:
     folder = Path(tempfile.mkdtemp(prefix="mutated-"))
     (folder / "bed.csv").write_text(BED)
     (folder / "profile.csv").write_text(PROFILE)
+    (folder / "measured").mkdir()
+    (folder / "sound.toml").write_text("grid.cells = 80\ntime.end = 0.1\n")
     bases, known, faults, counts, slowest = texts(), keys(), 0, {0: 0, 1: 0, 2: 0}, 0.0
     with Tries(folder) as tries:
+        assert tries.of("run", "sound.toml", "-o", "sound.h5", "--no-picture").code == 0
         for n in range(asked.files):
             rng = random.Random(f"{asked.seed} {n}")
             text, sets = rng.choice(bases), []
@@ -126,13 +210,9 @@ def main() -> None:
                 sets = overrides(known, rng)
             file = folder / f"mutated_{n}.toml"
             file.write_bytes(text.encode("utf-8", "replace"))
-            commands = [["check", file.name, *sets]]
-            if rng.random() < 0.8:
-                engine = rng.choice(["numpy", "numpy", "warp"])
-                picture = rng.choice(["--picture", "--no-picture"])
-                commands.append(
-                    ["run", file.name, *sets, *QUICK, "--engine", engine, picture, "-o", "out.h5", "--force"]
-                )
+            commands = commands_of(file.name, text, sets, rng)
+            measured(rng, folder / "measured")
+            shutil.rmtree(folder / "fitted", ignore_errors=True)
             for command in commands:
                 attempt = tries.of(*command)
                 slowest = max(slowest, attempt.seconds)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.collapses import by_hand
 
-from warpgran.analysis.run_values import run_values, stop_time
+from warpgran.analysis.run_values import final_values, run_values, stop_time
 
 nan = np.nan
 
@@ -17,13 +17,20 @@ def test_values_of_each_run_follow_from_its_series() -> None:
     found = run_values(data["series_time"].values, series, np.full(3, 1e-3))
     expected = {
         "run_out": [0.4, 0.2, nan],
-        "h_max_final": [0.09, 0.2, nan],
         "dilation_max": [0.05, 0.0, nan],
         "stop_time": [0.2, nan, nan],
     }
     assert found.keys() == expected.keys()
     for name, values in expected.items():
         np.testing.assert_allclose(found[name], values, atol=1e-15)
+
+
+def test_final_values_are_those_of_the_end_or_the_last_that_were_reached() -> None:
+    series = {name: np.array([[1.0, 2.0], [3.0, np.inf], [nan, nan]]) for name in ("h_max", "v_flow", "outflow")}
+    found = final_values(series, {name: np.array([[5.0], [nan], [nan]]) for name in series})
+    assert set(found) == {"h_max_final", "v_flow_final", "outflow_final"}
+    for values in found.values():
+        np.testing.assert_equal(values, [5.0, 3.0, nan])
 
 
 def test_without_samples_nothing_is_known() -> None:

@@ -48,9 +48,15 @@ def test_the_run_files_here_are_likely(path: Path) -> None:
             "rheology.grain_diameter: 0.7 is more than a tenth of the column's height, 0.14",
         ),
         (
-            {"grid.cells": 258},
             {"grid.cells": 180},
-            "grid.cells: 180 put 20 cells in the column's length and 14 in its height; likely: 20 or more of each",
+            {"grid.cells": 90},
+            "grid.cells: 90 put 10 cells in the column's length and 7 in its height, "
+            "and run-outs are off by up to a cell; likely: 20 and 5 or more, with 180",
+        ),
+        (  # a landslide: on its length there are cells enough
+            {"column.height": 0.008, "grid.cells": 1125},
+            {"column.height": 0.008, "grid.cells": 900},
+            "grid.cells: 900 put 100 cells in the column's length and 4 in its height, and run-outs are off by up to a",
         ),
         (
             {"slope.angle": 1.0},
@@ -129,7 +135,7 @@ def test_a_steep_plane_given_as_a_bed_runs_a_third_too_far() -> None:
 
 
 def test_simulate_warns(recwarn: pytest.WarningsRecorder) -> None:
-    case = Case().with_(**{"grid.right": 0.1, "grid.cells": 40, "time.end": 0.3, "time.snapshots": []})
+    case = Case().with_(**{"grid.right": 0.1, "grid.cells": 20, "time.end": 0.3, "time.snapshots": []})
     with pytest.warns(wg.CaveatWarning) as caught:
         wg.simulate(case)
     lines = [str(warning.message) for warning in caught if warning.category is wg.CaveatWarning]

@@ -48,10 +48,21 @@ def test_files_of_one_name_are_told_apart_and_one_file_is_named_once(folder: Pat
     warpgran("run", "quick.toml", "--no-picture")
     (folder / "other").mkdir()
     warpgran("run", "quick.toml", "--no-picture", "-o", "other/quick.h5", "--set", "slope.angle=5")
-    assert warpgran("view", "quick.h5", "other/quick.h5").exit_code == 0
+    result = warpgran("view", "quick.h5", "other/quick.h5")
+    assert result.exit_code == 0
+    told = [line.partition(" had not stopped")[0] for line in result.stderr.splitlines()]
+    assert told == ["warpgran: quick.h5: run 0", "warpgran: other/quick.h5: run 0"]
     assert '"files": ["quick.h5", "other/quick.h5"]' in (folder / "quick.html").read_text()
     result = warpgran("view", "quick.h5", "quick.h5")
     assert result.exit_code == 2 and "quick.h5 is named twice" in result.stderr
+
+
+def test_a_batch_without_snapshots_has_a_page_of_its_runs(folder: Path) -> None:
+    (folder / "batch.toml").write_text(QUICK + '[sweep.over]\n"slope.angle" = [0, 5]\n')
+    quick = ("--set", "grid.cells=60", "--set", "time.snapshots=[]")
+    result = warpgran("run", "batch.toml", *quick, "--no-picture", "--view")
+    assert result.exit_code == 0, result.output
+    assert result.stdout.splitlines()[-1] == "wrote batch.h5 and batch.html"
 
 
 def test_runs_and_sizes_are_checked(folder: Path) -> None:

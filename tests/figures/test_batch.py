@@ -183,9 +183,9 @@ def test_runs_that_never_began_are_counted() -> None:
 
 def test_open_marks_are_the_runs_whose_end_is_not_the_end() -> None:
     data = grid(diverged=(2,))
-    data["outflow"][1:3] = 0.2
+    data["outflow_final"][1:3] = 0.2
     data["stop_time"][4] = np.nan
-    data["v_flow"][4] = 1.0
+    data["v_flow_final"][4] = 1.0
     figure = page(data)
     for letter, run, sign in (("a", 1, "^"), ("a", 4, "o"), ("b", 1, "^"), ("b", 4, "o")):
         ax = letters(figure)[f"({letter})"]

@@ -76,7 +76,7 @@ def test_only_instants_that_all_share_are_drawn() -> None:
 
 def test_labels_say_what_differs_and_what_holds_with_a_reserve() -> None:
     moving = changed(angle="5.0", right="1.1")
-    moving["v_flow"][:] = 0.3
+    moving["v_flow_final"][:] = 0.3
     moving["stop_time"][:] = np.nan
     figure = wg.plot(collapse(), moving)
     assert labels(figure) == [

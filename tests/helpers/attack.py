@@ -7,7 +7,9 @@ such as results that differ in a bit. Each prints a line with counts, and exits 
 
 from __future__ import annotations
 
+import argparse
 import os
+import random
 import signal
 import sys
 import time
@@ -58,6 +60,15 @@ class Ended(NamedTuple):
         if "Traceback" in self.said and "Exception ignored" not in self.said:  # Ctrl-C within a destructor
             return f"traceback: {self.said.strip().splitlines()[-1]}"
         return "" if self.code in CODES else f"exit status {self.code}"
+
+
+def asked(trials: int, seed: int) -> tuple[int, random.Random]:
+    """The number of trials and the random numbers that the command line asks for, `--trials 200 --seed 1`."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--trials", type=int, default=trials)
+    parser.add_argument("--seed", type=int, default=seed)
+    options = parser.parse_args()
+    return options.trials, random.Random(options.seed)
 
 
 def warpgran(*arguments: str, folder: Path, kill: tuple[float, int] | None = None) -> Ended:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from warpgran.analysis.run_values import run_values
+from warpgran.analysis.run_values import final_values, run_values
 
 CASE = """
 title = "Dense column, 22 degrees"
@@ -88,8 +88,9 @@ def collapse(cells: int = 240, snapshots: int = 4, samples: int = 100, runs: int
 
 def with_values(data: xr.Dataset) -> xr.Dataset:
     """The result with the values of each run that follow from its series."""
-    series = {name: data[name].values for name in ("front", "h_max", "volume_change", "v_flow")}
+    series = {name: data[name].values for name in ("front", "h_max", "volume_change", "v_flow", "outflow")}
     values = run_values(data["series_time"].values, series, np.full(data.sizes["run"], 1e-3))
+    values |= final_values(series, {name: each[:, -1:] for name, each in series.items()})
     return data.assign({name: ("run", value) for name, value in values.items()})
 
 

@@ -107,10 +107,11 @@ def test_dimensions_are_scales_and_nothing_is_in_a_group(files: dict[str, Path])
             assert [axis[0].name for axis in file["h"].dims] == ["/run", "/time", f"/{along}"]
 
 
-def test_values_of_a_run_without_series_are_unknown(tmp_path: Path) -> None:
+def test_of_a_run_without_series_its_end_alone_is_known(tmp_path: Path) -> None:
     run_to_file(Study.of([small()]), tmp_path / "none.h5", Options())
     with xr.open_dataset(tmp_path / "none.h5", engine="h5netcdf") as data:
         assert data.sizes["series_time"] == 0
-        for name in ("run_out", "h_max_final", "dilation_max", "stop_time"):
+        for name in ("run_out", "dilation_max", "stop_time"):
             assert np.isnan(data[name].values).all()
+        assert data["h_max_final"].values == data["h"].values[:, -1].max()
         assert data["end_time"].values == 0.2

@@ -181,3 +181,14 @@ def test_a_part_file_is_a_sound_result(tmp_path: Path) -> None:
         run_to_file(study(), tmp_path / "out.h5", Options(), compute=killed)
     data = wg.open_dataset(part_of(tmp_path / "out.h5"))
     assert np.isfinite(data["h"][0]).all() and np.isnan(data["h"][1]).all()
+
+
+def test_a_heap_that_hdf5_would_walk_forever_is_damage(sound: Path, tmp_path: Path) -> None:
+    data = bytearray(sound.read_bytes())
+    heap = data.index(b"GCOL")
+    end = heap + int.from_bytes(data[heap + 8 : heap + 16], "little")
+    data[end - 200 : end] = bytes(200)
+    (tmp_path / "spoiled.h5").write_bytes(data)
+    read = [sys.executable, "-c", "from warpgran.cli.app import app; app(['summary', 'spoiled.h5'])"]
+    done = subprocess.run(read, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=30)
+    assert done.returncode == 2 and done.stderr == "warpgran: cannot read spoiled.h5: it is damaged\n"

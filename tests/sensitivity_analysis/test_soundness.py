@@ -29,12 +29,12 @@ def ran_out_of_steps(data: xr.Dataset) -> None:
 
 
 def left_the_grid(data: xr.Dataset) -> None:
-    data["outflow"][BAD, -1] = 0.01
+    data["outflow_final"][BAD] = 0.01
 
 
 def still_moving(data: xr.Dataset) -> None:
     data["stop_time"][BAD] = np.nan
-    data["v_flow"][BAD, -1] = 1.0
+    data["v_flow_final"][BAD] = 1.0
 
 
 def no_run_out(data: xr.Dataset) -> None:

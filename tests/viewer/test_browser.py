@@ -252,7 +252,7 @@ def test_the_address_brings_everything_back(chromium: Any, many: tuple[xr.Datase
 
 def test_reserves_stand_where_the_run_out_is_shown(chromium: Any, tmp_path: Path) -> None:
     data = batch(column__phi=[0.55, 0.6])
-    data["outflow"][1, 60:] = 0.2
+    data["outflow_final"][1] = 0.2
     page = Opened(chromium, view(data, tmp_path / "page.html"), "#run=0.1")
     assert "run-out \N{GREATER-THAN OR EQUAL TO} " in page.tab.locator("#legend").inner_text()
     assert "lower bound" in page.tab.locator("#legend").inner_text()

@@ -176,7 +176,7 @@ def test_chosen_runs_alone_are_in_the_page(tmp_path: Path) -> None:
 
 def test_the_table_has_keys_outcomes_failures_and_reserves(tmp_path: Path) -> None:
     data = batch(diverged=(1,), column__phi=[0.55, 0.58, 0.6], rheology__phi_eq=["f0", "f1", "f0"])
-    data["outflow"][2, 60:] = 0.2
+    data["outflow_final"][2] = 0.2
     data["failure"] = "run", ["", "diverged at t = 0.4 s", ""]
     table = unpacked(written(data, tmp_path), "table-data")[0]
     columns = {column["name"]: column for column in table["columns"]}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,8 +15,10 @@ if TYPE_CHECKING:
 
 LOST = 1e-3
 """Share of the solid whose loss through the ends makes a run-out a lower bound."""
+LATE = 0.1
+"""Share of the time in which the growth of a run-out is told."""
 NAMED = 3
-"""Most runs of a batch that a line names with their values."""
+"""Most runs of a batch that a line names; the table and the file mark all of them."""
 LISTED = 20
 """Most unclean runs with a line of their own; the others are named by number."""
 
@@ -29,7 +30,7 @@ def caveats(data: xr.Dataset | RunColumns) -> dict[str, Array]:
         data: a result, with all its runs or some (`data.isel(run=[0, 3])`).
 
     Returns:
-        Boolean arrays over the runs, by name; False also where the result cannot tell, as without series.
+        Boolean arrays over the runs, by name; False also where the result cannot tell.
 
         - left_grid: more than 0.1 % of the solid has left through an end of the grid; run_out is a lower bound
         - moving: the run got to its end and had not stopped; run_out is not final. A flow between periodic ends has no
@@ -40,10 +41,10 @@ def caveats(data: xr.Dataset | RunColumns) -> dict[str, Array]:
     """
     data = RunColumns.of(data)
     # A NaN, of what was not computed or is not known, is neither above nor below anything.
-    fast = _final(data, "v_flow") >= data.parameter("time.rest_speed", np.nan)
+    fast = _final(data, "v_flow_final") >= data.parameter("time.rest_speed", np.nan)
     ended = (data.status == "ok") & np.isnan(data.values["stop_time"])
     return {
-        "left_grid": _final(data, "outflow") > LOST,
+        "left_grid": _final(data, "outflow_final") > LOST,
         "moving": ended & fast & (data.parameter("scheme.left", "") != "periodic"),
     }
 
@@ -99,46 +100,54 @@ def _waiting(data: RunColumns) -> list[str]:
 
 
 def _left_grid(data: RunColumns, left: Array) -> list[str]:
-    """One line for the runs that lost solid, with the share and the first sample at which it was above LOST."""
-    final = _final(data, "outflow")
-
-    def loss(i: int) -> str:
-        began = data.series_time[np.argmax(np.asarray(data.series["outflow"][i]) > LOST)]
-        return f"{100 * final[i]:.2g} %, from t = {began:.4g} s on"
-
-    return _line(data, left, loss, "lost solid through an end of the grid", "run-out", "a lower bound", "lower bounds")
+    """One line for the runs that lost solid: how much, and of one the first sample at which it was above LOST."""
+    lost = 100.0 * _final(data, "outflow_final")
+    if data.run.size > 1:
+        return _counted(data, left, "left the grid", f"up to {lost[left].max(initial=0.0):.2g} %", "are lower bounds")
+    if not left[0]:
+        return []
+    above = np.asarray(data.series["outflow"][0] if "outflow" in data.series else []) > LOST
+    began = f", from t = {data.series_time[np.argmax(above)]:.4g} s on" if above.any() else ""
+    what = f"lost solid through an end of the grid ({lost[0]:.2g} %{began})"
+    return [f"{_name(data, 0)} {what}: its run-out is a lower bound"]
 
 
 def _moving(data: RunColumns, moving: Array) -> list[str]:
     """One line for the runs that had not stopped."""
-    final = _final(data, "v_flow")
+    speed = _final(data, "v_flow_final")
+    if data.run.size > 1:
+        fastest = f"up to {speed[moving].max(initial=0.0):.2g} m/s"
+        return _counted(data, moving, "had not stopped", fastest, "are not final")
+    if not moving[0]:
+        return []
+    at = f"{speed[0]:.2g} m/s at t = {data.values['end_time'][0]:.4g} s"
+    return [f"{_name(data, 0)} had not stopped at the end ({at}): its run-out is not final{_growth(data)}"]
 
-    def speed(i: int) -> str:
-        return f"{final[i]:.2g} m/s at t = {data.values['end_time'][i]:.4g} s"
 
-    return _line(data, moving, speed, "had not stopped at the end", "run-out", "not final", "not final")
+def _growth(data: RunColumns) -> str:
+    """`, and grew by 0.8 % in the last tenth of the time`: what a later end would give, of a result of one run."""
+    t, front = data.series_time, np.asarray(data.series["front"][0] if "front" in data.series else [])
+    late = np.searchsorted(t, (1.0 - LATE) * data.values["end_time"][0])
+    if late >= front.size - 1 or t[-1] != data.values["end_time"][0] or not front[-1] > front[0]:
+        return ""
+    grown = (front[-1] - front[late]) / (front[-1] - front[0])
+    return f", and grew by {100.0 * grown:.2g} % in the last tenth of the time"
 
 
-def _line(
-    data: RunColumns, which: Array, detail: Callable[[int], str], said: str, what: str, of_one: str, of_many: str
-) -> list[str]:
-    """A caveat in one line, which names a few of the runs that have it; none where no run has."""
-    at, runs = np.flatnonzero(which).tolist(), data.run.size
+def _counted(data: RunColumns, which: Array, said: str, most: str, reserve: str) -> list[str]:
+    """A caveat of a batch in one line of a terminal, with its first runs; none where no run has it."""
+    at = data.run[which].tolist()
     if not at:
         return []
-    if runs == 1:
-        return [f"{_name(data, 0)} {said} ({detail(0)}): its {what} is {of_one}"]
-    named = [_name(data, i, detail(i)) for i in at[:NAMED]]
-    more = [f"and {len(at) - NAMED} more"] if len(at) > NAMED else []
-    return [f"{len(at)} of {runs} runs {said}, so that their {what}s are {of_many}: {', '.join(named + more)}"]
+    named = ", ".join(map(str, at[:NAMED])) + (", ..." if len(at) > NAMED else "")
+    return [f"{len(at)} of {data.run.size} runs {said} ({named}; {most}): run-outs {reserve}"]
 
 
-def _name(data: RunColumns, i: int, detail: str = "") -> str:
-    """`run 3 (slope.angle = 22; 23 %, ...)`: its number, the values that were swept, and what is to be said of it."""
+def _name(data: RunColumns, i: int) -> str:
+    """`run 3 (slope.angle = 22)`: its number and the values that were swept."""
     values = {key: column[i] for key, column in data.swept.items()}
     chosen = [f"{key} = {_value(value)}" for key, value in values.items() if key not in FOLLOWS or len(values) == 1]
-    inside = "; ".join(filter(None, (", ".join(chosen), detail)))
-    return f"run {data.run[i]}" + (f" ({inside})" if inside else "")
+    return f"run {data.run[i]}" + (f" ({', '.join(chosen)})" if chosen else "")
 
 
 def _value(value: Any) -> str:
@@ -152,15 +161,5 @@ def _ranges(numbers: Array) -> str:
 
 
 def _final(data: RunColumns, name: str) -> Array:
-    """The last value of a series that each run has; NaN where it has none. Whole rows are read of few runs alone."""
-    if name not in data.series or not data.series[name].size:
-        return np.full(data.run.size, np.nan)
-    last = np.array(data.series[name][:, -1])
-    short = np.flatnonzero(~np.isfinite(last))
-    if not short.size:  # older xarray cannot read no rows from a file
-        return last
-    rows = np.asarray(data.series[name][short])
-    known = np.isfinite(rows)
-    at = known.shape[1] - 1 - np.argmax(known[:, ::-1], axis=1)
-    last[short] = np.where(known.any(axis=1), rows[np.arange(short.size), at], np.nan)
-    return last
+    """A value of each run; NaN where the result has none."""
+    return data.values.get(name, np.full(data.run.size, np.nan))

@@ -20,16 +20,28 @@ def run_values(t: Array, series: Mapping[str, Array], rest_speed: Array) -> dict
         rest_speed: Of each run [m/s], shape (runs,).
 
     Returns:
-        run_out [m], h_max_final [m], dilation_max [-] and stop_time [s], each (runs,).
+        run_out [m], dilation_max [-] and stop_time [s], each (runs,).
     """
-    front, h_max, change = (_finite(series[name]) for name in ("front", "h_max", "volume_change"))
+    front, change = (_finite(series[name]) for name in ("front", "volume_change"))
     speeds = zip(series["v_flow"], rest_speed, strict=True)
     return {
         "run_out": last(front) - (front[:, 0] if t.size else np.nan),
-        "h_max_final": last(h_max),
         "dilation_max": np.fmax.reduce(change, axis=1, initial=np.nan),
         "stop_time": np.array([stop_time(t, v_flow, speed) for v_flow, speed in speeds]),
     }
+
+
+def final_values(series: Mapping[str, Array], end: Mapping[str, Array]) -> dict[str, Array]:
+    """The values of each run at its end, or the last that it reached; NaN where there are none.
+
+    Args:
+        series: Of schema.SERIES by name, each (runs, samples).
+        end: The same at the end alone, where the series may have no sample, each (runs, 1).
+
+    Returns:
+        h_max_final [m], v_flow_final [m/s] and outflow_final [-], each (runs,).
+    """
+    return {f"{name}_final": last(np.hstack([series[name], end[name]])) for name in ("h_max", "v_flow", "outflow")}
 
 
 def last(values: Array) -> Array:

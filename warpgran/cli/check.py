@@ -41,7 +41,7 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
         say(f"warpgran calibrate fits {', '.join(fitted)}")
     dx = unit_of(case.dx).text(case.dx)
     say(f"{layout.cells} cells of {dx}, t = {case.time.end:g} s, about {expected_steps(case).steps} steps")
-    say(f"{outputs.snapshots} snapshots and {outputs.samples} samples")
+    say(f"{outputs.snapshots} snapshots and {outputs.series} samples")
     say(f"about {cell_steps * len(study) / len(counted):.3g} cell-steps")
     variant = variant_of(case, precision)
     memory = bytes_of_run(layout.cells, outputs, variant) + bytes_of_start(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 THICK = ("h", "h_max", "h_max_final")
 ALONG = ("front", "run_out", "x")
-PERCENT = ("volume_change", "dilation_max", "outflow")
+PERCENT = ("volume_change", "dilation_max", "outflow", "outflow_final")
 LONGEST = 34
 """Characters of a value of the run file."""
 

@@ -33,10 +33,10 @@ def view(
         raise OptionError(f"{repeated[0]} is named twice")
     with ExitStack() as stack:
         results = {file: stack.enter_context(opened(file)) for file in files}
-        for data in results.values():
-            print_caveats(data)
         same = len({file.name for file in files}) < len(files)
         named = {str(file) if same else file.name: data for file, data in results.items()}
+        for name, data in named.items():
+            print_caveats(data, of=name if len(named) > 1 else "")
         made = view(named, output or files[0].with_suffix(".html"), runs=chosen, max_size=size)
     say(f"wrote {made}, {made.stat().st_size / 1e6:.2g} MB")
     if open_:

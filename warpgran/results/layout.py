@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from warpgran.analysis.run_values import run_values
+from warpgran.analysis.run_values import final_values, run_values
 from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.case.identity import identity
@@ -76,7 +76,7 @@ class Layout:
         real = np.dtype(np.float64)
         profile = self.outputs.snapshots, self.cells
         fields = {name: ResultColumn(self._along(v), profile, real) for name, v in FIELDS.items()}
-        series = {name: ResultColumn(v, (self.outputs.samples,), real) for name, v in SERIES.items()}
+        series = {name: ResultColumn(v, (self.outputs.series,), real) for name, v in SERIES.items()}
         types: dict[str, np.dtype[Any]] = {"status": np.dtype(np.int8), "steps": np.dtype(np.int64), "failure": FAILURE}
         single = {name: ResultColumn(v, (), types.get(name, real)) for name, v in PER_RUN.items()}
         grid = {} if self.one_grid else {name: ResultColumn(v.padded, (self.cells,), real) for name, v in GRID.items()}
@@ -92,9 +92,10 @@ class Layout:
             for name, profile in zip(FIELDS, finished.profiles, strict=True)
         }
         t = self.outputs.times[self.outputs.sample_at >= 0]
-        samples = Samples(cases, t, dict(zip(SCALARS, np.moveaxis(finished.scalars, 2, 0), strict=True)))
-        rows |= series(samples)
-        rows |= run_values(t, rows, np.array([case.rest_speed for case in cases]))
+        of_series, at_end = slice(self.outputs.series), slice(-1, None)
+        rows |= _series(cases, t, finished, of_series)
+        rows |= run_values(t[of_series], rows, np.array([case.rest_speed for case in cases]))
+        rows |= final_values(rows, _series(cases, t, finished, at_end))
         rows |= {"status": finished.status, "steps": finished.steps, "end_time": finished.end_time}
         words = [str(finished.failures[r]) if r in finished.failures else "" for r in range(len(cases))]
         rows["failure"] = np.array([word.encode() for word in words], dtype=FAILURE)
@@ -111,7 +112,7 @@ class Layout:
         values = {
             "run": self.runs,
             "time": times[self.outputs.snapshot_at >= 0],
-            "series_time": times[self.outputs.sample_at >= 0],
+            "series_time": times[self.outputs.sample_at >= 0][: self.outputs.series],
             **({"x": self.study.base.x} if self.one_grid else {"cell": np.arange(self.cells)}),
         }
         return {name: (COORDINATES[name], each) for name, each in values.items()}
@@ -151,6 +152,12 @@ class Layout:
             "date": date,
             **more,
         }
+
+
+def _series(cases: Sequence[Case], t: Array, finished: Finished, which: slice) -> dict[str, Array]:
+    """The series at some of the samples."""
+    scalars = dict(zip(SCALARS, np.moveaxis(finished.scalars[:, which], 2, 0), strict=True))
+    return series(Samples(cases, t[which], scalars))
 
 
 def now() -> str:

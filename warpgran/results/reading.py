@@ -14,6 +14,7 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.files import StorageError, check_readable
+from warpgran.results.heaps import check_heaps
 from warpgran.results.seal import check_seal
 from warpgran.results.soundness import check_sound
 from warpgran.schema import Status
@@ -38,6 +39,9 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     with reading(path):
         pass
     data = xr.open_dataset(path, engine="h5netcdf")
+    for values in data.variables.values():
+        if values.size == 0:  # HDF5 cannot select some of no numbers
+            values.load()
     texts = np.full(data.sizes["run"], data.attrs["case_toml"], dtype=object)
     data = data.assign_coords(case_toml=("run", texts))
     data["failure"] = data["failure"].astype(str)
@@ -85,6 +89,8 @@ def reading(path: Path) -> Iterator[h5py.File]:
     """
     check_readable(path)
     check_seal(path)
+    if path.suffix != ".part":  # which has a seal
+        check_heaps(path)
     with _open(path) as file:
         check_sound(file, path)
         yield file

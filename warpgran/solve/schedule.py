@@ -17,18 +17,21 @@ class Outputs:
     Attributes:
         times: s, increasing, shape (outputs,).
         snapshot_at: place of each time among the snapshots, -1 if it is none.
-        sample_at: place of each time among the samples, -1 if it is none.
+        sample_at: place of each time among the samples, -1 if it is none. The end is one even if no series has it.
+        series: number of the samples that belong to the series, the first ones.
     """
 
     times: Array
     snapshot_at: Array
     sample_at: Array
+    series: int = 0
 
     @staticmethod
     def of(case: Case) -> Outputs:
         """The schedule of a case."""
-        times = np.array(case.output_times)
-        return Outputs(times, _places(times, case.snapshot_times), _places(times, case.sample_times))
+        times, of_series = np.array(case.output_times), case.sample_times
+        sampled = tuple(dict.fromkeys((*of_series, case.time.end)))
+        return Outputs(times, _places(times, case.snapshot_times), _places(times, sampled), len(of_series))
 
     @staticmethod
     def none() -> Outputs:
