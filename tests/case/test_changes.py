@@ -21,7 +21,8 @@ def test_sections_and_dotted_keys_change_the_same() -> None:
 
 
 def test_none_restores_defaults_of_a_key_and_of_a_section() -> None:
-    assert STEEP.with_(slope={"angle": None}).flat() == STEEP.flat() | {"slope.angle": 0.0} | follows(0.0, 9.8)
+    level = STEEP.with_(slope={"angle": None}, title="Level")
+    assert level.flat() == STEEP.flat() | {"title": "Level", "slope.angle": 0.0} | follows(0.0, 9.8)
     assert STEEP.with_(slope=None).slope == wg.Case().slope
 
 
@@ -67,9 +68,9 @@ def test_a_case_shows_what_differs_from_the_defaults() -> None:
 
 def test_a_study_shows_what_varies_and_what_all_share() -> None:
     html = STEEP.sweep({"rheology.K": [0.0, 4.0], "column.phi": [0.55, 0.6]}, mode="zip")._repr_html_()
-    assert "Steep, 2 runs" in html
+    assert "Steep [sweep.over.column.phi = [0.55, 0.6]], 2 runs" in html
     assert html.index("rheology.K") < html.index("slope.angle")
-    assert html.count("column.phi") == 1 and "0.55, 0.6" in html
+    assert html.count("column.phi") == 2 and "0.55, 0.6" in html
     many = STEEP.sweep({"slope.angle": {"low": 0.0, "high": 10.0}}, mode="latin", samples=50)._repr_html_()
     assert "50 values" in many
 

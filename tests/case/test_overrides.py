@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import warpgran as wg
@@ -60,3 +61,29 @@ def test_the_title_is_no_part_of_the_identity(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text(FILE)
     assert identity(wg.Case.from_toml(path, ["slope.angle=5"])) == identity(wg.Case().with_(slope={"angle": 5.0}))
+
+
+def test_a_change_in_python_is_named_as_on_the_command_line(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(FILE)
+    case = wg.Case.from_toml(path, ["slope.angle=5"])
+    steeper = case.with_(slope={"angle": np.float64(16.0)}, rheology={"K": 0.0})
+    assert steeper.title == f"{TITLE} [slope.angle = 16, rheology.K = 0]"
+    assert steeper.with_(slope={"angle": None}).title == f"{TITLE} [slope.angle = default, rheology.K = 0]"
+    assert case.with_(slope={"angle": 16.0}, title="Less steep").title == "Less steep"
+    assert case.with_(time={"series": []}, scheme={"window": False}).title == case.title
+    first = case.with_(scheme={"order": 1, "xi": np.array([2.0, 2.0, 5.0])})
+    assert first.title == f"{TITLE} [slope.angle = 5, scheme.order = 1, scheme.xi = [2.0, 2.0, 5.0]]"
+    assert wg.Case().with_(slope={"angle": 5.0}).title == ""
+    with pytest.raises(wg.CaseError, match=r"slope\.angle: "):
+        case.with_(slope={"angle": object()})
+
+
+def test_a_sweep_in_python_is_named_and_no_single_value_of_what_it_varies() -> None:
+    case = wg.Case(title=TITLE).with_(slope={"angle": 5.0}, rheology={"K": 1.0})
+    study = case.sweep({"slope.angle": [0, 10]})
+    assert study.base.title == study[1].title == f"{TITLE} [rheology.K = 1, sweep.over.slope.angle = [0, 10]]"
+    assert case.sweep({"column.phi": [0.55, 0.6]}).base.title == case.title
+    given = wg.Study.of([case, case.with_(slope={"angle": 7.0})])
+    assert given.base.title == f"{TITLE} [rheology.K = 1]"
+    assert [each.title for each in given] == [case.title, f"{TITLE} [slope.angle = 7, rheology.K = 1]"]

@@ -58,7 +58,8 @@ def test_what_else_can_be_swept(key: str, values: Sequence[Any]) -> None:
 def test_a_study_is_a_sequence_of_cases() -> None:
     case = Case().with_(title="x")
     study = case.sweep(ANGLE_AND_PHI)
-    wanted = [case.with_(**{"slope.angle": angle, "column.phi": phi}) for angle, phi in table(study)]
+    title = study.base.title
+    wanted = [case.with_(**{"slope.angle": angle, "column.phi": phi}, title=title) for angle, phi in table(study)]
     assert len(study) == 6
     assert list(study) == wanted
     assert (study[0], study[5], study[-1], study[np.int64(2)]) == (wanted[0], wanted[5], wanted[5], wanted[2])

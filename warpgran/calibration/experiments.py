@@ -165,7 +165,8 @@ def _with_times(base: Case, each: Sequence[Experiment]) -> Case:
     series = [o.t for e in each for o in e.observed if o.kind != "profiles"]
     snapshots, samples = _distinct(profiles, base.time.end), _distinct(series, base.time.end)
     end = max([*snapshots, *samples])
-    return base.with_(**{"time.end": end, "time.snapshots": snapshots, "time.series": samples or [end]})
+    times = {"time.end": end, "time.snapshots": snapshots, "time.series": samples or [end]}
+    return base.with_(**times, title=base.title)
 
 
 def _distinct(times: Sequence[Array], end: float) -> list[float]:

@@ -94,7 +94,7 @@ class Forward:
             values = dict(zip(self.names, point, strict=True))
             rows = [{**shared, **experiment.changes, **values} for experiment in self.experiments.each]
             try:
-                cases = [base.with_(**row) for row in rows]
+                cases = [base.with_(**row, title=base.title) for row in rows]
             except CaseError:
                 self.tally.refused += len(rows)
                 continue

@@ -29,7 +29,7 @@ from warpgran.case.changes import (
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.model import Model, declare
 from warpgran.case.notebook import case_table, case_text
-from warpgran.case.overrides import override_all
+from warpgran.case.overrides import named_in_title, override_all
 from warpgran.case.problems import CaseError, Problem, problems_of
 from warpgran.case.sections import ALLOWED, KEYS, SECTIONS, Column, Every, Grid, Rheology, Scheme, Slope, Time
 from warpgran.case.times import output_times, sample_times, series, snapshot_times, snapshots
@@ -125,13 +125,16 @@ class Case(Model):
         Args:
             changes: By section the keys that change, as a mapping, and `title`; what is not named stays. None, of a
                 key or of a section, restores the default. Programs may give values by dotted key instead:
-                `case.with_(**{"slope.angle": 16.0})`. Tables are not read again.
+                `case.with_(**{"slope.angle": 16.0})`. Tables are not read again. The title names what changed,
+                "Dense column, 22 degrees [slope.angle = 16]", unless it is given itself.
 
         Raises:
             CaseError: Lists everything that is wrong.
         """
         data = as_data(self)
-        problems = [problem for key, value in dotted(changes) if (problem := set_key(data, key, value))]
+        pairs = list(dotted(changes))
+        with named_in_title(data, [key for key, _ in pairs]):
+            problems = [problem for key, value in pairs if (problem := set_key(data, key, value))]
         return self._checked(data, problems, self._folder, self._source)
 
     def refined(self, level: int) -> Case:

@@ -1,35 +1,71 @@
-"""Changes of a run file from outside, `KEY=VALUE`, and what they leave of its title."""
+"""Changes of a run file from outside, `KEY=VALUE`, and what changes of any kind leave of its title."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from copy import deepcopy
+from numbers import Real
 from typing import Any
+
+import numpy as np
 
 from warpgran.case.identity import LEFT_OUT
 from warpgran.case.problems import Problem
-from warpgran.case.toml import override, toml_value, value_at
+from warpgran.case.toml import override, plain, toml_value, value_at
 
 LONGEST = 40
 """Characters of a value that a title shows whole."""
+_NOTE = re.compile(r"(.*?) \[([\w.]+ = .*)\]", re.DOTALL)
+_BETWEEN = re.compile(r", (?=[\w.]+ = )")
 
 
 def override_all(data: dict[str, Any], overrides: Sequence[str]) -> list[Problem]:
-    """Set keys of a run file, and name in its title those that now differ: it may be about what they were.
+    """Set keys of a run file, and name in its title those that now differ, see `named_in_title`."""
+    with named_in_title(data, [text.partition("=")[0].strip() for text in overrides]):
+        return [problem for text in overrides if (problem := override(data, text))]
 
-    "Dense column, 22 degrees" becomes "Dense column, 22 degrees [slope.angle = 5]". A title that is set itself stays,
-    and keys that decide nothing of the flow are not named.
+
+@contextmanager
+def named_in_title(data: dict[str, Any], keys: Iterable[str]) -> Iterator[None]:
+    """Name in a title the keys that are changed meanwhile: it may be about what they were.
+
+    "Dense column, 22 degrees" becomes "Dense column, 22 degrees [slope.angle = 5]", and of a key that is changed again
+    the last value is named. A title that is set itself stays, and keys that decide nothing of the flow are not named.
     """
-    title = data.get("title")
-    keys = dict.fromkeys(text.partition("=")[0].strip() for text in overrides)
+    title, keys = data.get("title"), list(dict.fromkeys(keys))
     before = {key: deepcopy(value_at(data, key)) for key in keys}
-    problems = [problem for text in overrides if (problem := override(data, text))]
-    changed = [key for key in keys if key not in LEFT_OUT and value_at(data, key) != before[key]]
+    yield
+    changed = [key for key in keys if key not in LEFT_OUT and _differ(value_at(data, key), before[key])]
     if changed and title and isinstance(title, str) and "title" not in keys:
-        data["title"] = f"{title} [{', '.join(f'{key} = {_shown(value_at(data, key))}' for key in changed)}]"
-    return problems
+        data["title"] = _noted(title, {key: f"{key} = {_shown(value_at(data, key))}" for key in changed})
+
+
+def without_notes(title: str, keys: Collection[str]) -> str:
+    """A title that names these keys no longer as changed."""
+    return _noted(title, dict.fromkeys(keys, ""))
+
+
+def _noted(title: str, notes: dict[str, str]) -> str:
+    """The title with these notes by key, in place of what it has of them."""
+    found = _NOTE.fullmatch(title)
+    if found:
+        title = found[1]
+        notes = {note.partition(" = ")[0]: note for note in _BETWEEN.split(found[2])} | notes
+    said = ", ".join(filter(None, notes.values()))
+    return f"{title} [{said}]" if said else title
+
+
+def _differ(a: Any, b: Any) -> bool:
+    found = a != b
+    return found if isinstance(found, bool) else True  # an array against anything
 
 
 def _shown(value: Any) -> str:
-    text = value if isinstance(value, str) else toml_value(value)
+    if value is None:
+        return "default"
+    value = value.tolist() if isinstance(value, np.ndarray) else value
+    number = isinstance(value, Real) and not isinstance(value, bool)
+    text = f"{value:.12g}" if number else value if isinstance(value, str) else toml_value(plain(value))
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."

@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from warpgran.case.case import Case
-from warpgran.case.overrides import override_all
+from warpgran.case.overrides import named_in_title, override_all, without_notes
 from warpgran.case.problems import CaseError, Problem, values_in_words
 from warpgran.case.sampled_runs import sampled_runs
 from warpgran.case.sensitivity_design import design_values
 from warpgran.case.sensitivity_section import Sensitivity, read_sensitivity, time_problems
 from warpgran.case.study import Study
-from warpgran.case.sweep_section import flatten, read_section
+from warpgran.case.sweep_section import dotted_pairs, flatten, read_section
 from warpgran.case.sweep_values import values_by_run
-from warpgran.case.toml import VARYING, as_data, load, set_key, without
+from warpgran.case.toml import VARYING, as_data, load, set_key, value_at, without
 from warpgran.case.validation import read_tables
 
 _MOST_MESSAGES = 5
@@ -81,7 +81,12 @@ def sweep(
         CaseError: Lists everything that is wrong.
     """
     section = {"over": over, "mode": mode, "seed": seed} | ({} if samples is None else {"samples": samples})
-    data = as_data(case) | {"sweep": section}
+    data = as_data(case)
+    given = [key for key, _ in dotted_pairs(over) if value_at(data, key) is not None]
+    if case.title:
+        data["title"] = without_notes(case.title, given)
+    with named_in_title(data, [f"sweep.over.{key}" for key in given]):
+        data["sweep"] = section
     return _study(data, flatten(data), case.folder, case.source)
 
 

@@ -16,6 +16,7 @@ from warpgran.arrays import Array
 from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.identity import identity
 from warpgran.case.notebook import study_table
+from warpgran.case.overrides import without_notes
 from warpgran.case.problems import CaseError, Problem
 from warpgran.case.sweep_section import KINDS
 
@@ -71,7 +72,8 @@ class Study(Sequence["Case"]):
         flats = [case.flat() for case in cases]
         differ = [key for key in KINDS if any(flat[key] != flats[0][key] for flat in flats)]
         simple = [key for key in differ if all(flat[key] is not None for flat in flats)]
-        study = cls(cases[0], {key: [flat[key] for flat in flats] for key in simple})
+        base = cases[0].model_copy(update={"title": without_notes(cases[0].title, differ)})
+        study = cls(base, {key: [flat[key] for flat in flats] for key in simple})
         follow = set(simple).intersection(*(case.following for case in cases))
         study.keys = tuple(key for key in simple if key not in follow)
         study.given, study._runs = tuple(cases), len(cases)
@@ -92,7 +94,7 @@ class Study(Sequence["Case"]):
         if self.given:
             return self.given[run]
         values = {key: column[run] for key, column in self._columns.items()}
-        return self.base.with_(**values) if values else self.base
+        return self.base.with_(**values, title=self.base.title) if values else self.base
 
     def values(self, key: str) -> list[Any]:
         """Values of a swept key, by run.

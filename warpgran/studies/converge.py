@@ -127,7 +127,7 @@ def converge(case: Case, *, levels: int = 3, options: Options | None = None) -> 
     # A snapshot is an output time already, so that a sample there changes no step.
     samples = sorted({0.0, *case.sample_times, *case.snapshot_times})
     grids = tuple(cells // 2 * 2**level for level in range(levels))
-    cases = [case.with_(**{"grid.cells": n, "time.series": samples}) for n in grids]
+    cases = [case.with_(**{"grid.cells": n, "time.series": samples}, title=case.title) for n in grids]
     data = simulate_quietly(
         cases, device=options.device, precision=options.precision, engine=options.engine, threads=options.threads
     )
