@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from warpgran.cli.app import app
 
-BASH = shutil.which("bash")
+BASH, FISH = shutil.which("bash"), shutil.which("fish")
 SHIM = f"""#!{sys.executable}
 import sys
 from warpgran.cli.app import main
@@ -28,13 +28,15 @@ echo "${{COMPREPLY[@]}}"
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """A folder with the command and what `--show-completion` prints."""
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with the command and what `--show-completion` prints for bash and fish."""
+    monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")  # tests may run in none
     command = tmp_path / "warpgran"
     command.write_text(SHIM)
     command.chmod(0o755)
-    script = CliRunner().invoke(app, ["--show-completion", "bash"], prog_name="warpgran").stdout
-    (tmp_path / "completion").write_text(script)
+    for shell, name in (("bash", "completion"), ("fish", "completion.fish")):
+        script = CliRunner().invoke(app, ["--show-completion", shell], prog_name="warpgran").stdout
+        (tmp_path / name).write_text(script)
     return tmp_path
 
 
@@ -60,6 +62,25 @@ def test_commands_options_and_keys_complete(folder: Path) -> None:
     assert completed(folder, "run", "--prec") == ["--precision"]
     assert completed(folder, "run", "--precision", "float") == ["float64", "float32"]
     assert completed(folder, "run", "--set", "rheology.K") == ["rheology.K", "rheology.K_tilde"]
+
+
+@pytest.mark.skipif(FISH is None, reason="needs fish")
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        ("ver", ["verify"]),
+        ("run --precision float", ["float32", "float64"]),
+        ("run --set rheology.K", ["rheology.K", "rheology.K_tilde"]),
+        ("run coll", ["collapse.toml"]),
+    ],
+)
+def test_fish_completes(folder: Path, words: str, offered: list[str]) -> None:
+    assert FISH
+    (folder / "collapse.toml").touch()
+    script = f"set PATH {folder} $PATH; source completion.fish; complete -C 'warpgran {words}'"
+    asked = [FISH, "--no-config", "-c", script]
+    done = subprocess.run(asked, cwd=folder, capture_output=True, text=True, check=True)
+    assert [line.partition("\t")[0] for line in done.stdout.splitlines()] == offered
 
 
 @pytest.mark.skipif(BASH is None, reason="needs bash")
