@@ -372,14 +372,17 @@ def test_the_address_is_written_no_more_often_than_browsers_allow(chromium: Any,
     page.close()
 
 
-def test_what_is_printed_is_light_and_has_no_buttons(chromium: Any, one: tuple[xr.Dataset, Path]) -> None:
-    page = Opened(chromium, one[1], "#theme=dark")
+def test_what_is_printed_is_light_and_has_no_buttons(chromium: Any, many: tuple[xr.Dataset, Path]) -> None:
+    page = Opened(chromium, many[1], "#theme=dark&run=0.1,0.2")
+    high = page.tab.evaluate("document.body.scrollHeight")
     dark, drawn = page.tab.evaluate(DARK), page.drawn("#series")
     page.tab.emulate_media(media="print")
     page.tab.evaluate("window.dispatchEvent(new Event('beforeprint'))")
     assert page.tab.evaluate(DARK) == "rgb(255, 255, 255)" and page.drawn("#series") != drawn
-    assert not page.tab.locator("button:visible").count()
+    buttons = page.tab.locator("button:visible")
+    assert buttons.count() == page.tab.locator("#table th button").count()  # which are the names of the columns
     assert page.tab.locator("#instant").is_visible()
+    assert page.tab.evaluate("document.body.scrollHeight") <= high
     page.tab.evaluate("window.dispatchEvent(new Event('afterprint'))")
     assert page.tab.evaluate(DARK) == dark and "theme=dark" in page.address()
     page.close()
