@@ -99,13 +99,18 @@ def test_imports_stay_light(statement: str, absent: list[str]) -> None:
     assert found == []
 
 
-@pytest.mark.parametrize(("switch", "drawn_by"), [("--no-picture", "matplotlib PIL"), ("--picture", "")])
-def test_a_single_run_does_without_what_reads_and_draws_batches(tmp_path: Path, switch: str, drawn_by: str) -> None:
+@pytest.mark.parametrize(
+    ("switch", "then", "drawn_by"), [("--no-picture", "summary", "matplotlib PIL"), ("--picture", "plot", "")]
+)
+def test_a_single_run_its_table_and_its_picture_do_without_xarray(
+    tmp_path: Path, switch: str, then: str, drawn_by: str
+) -> None:
     (tmp_path / "short.toml").write_text("grid = { right = 0.3, cells = 100 }\ntime.end = 0.01\n")
     code = (
         "import sys; from warpgran.cli.app import app\n"
-        f"try: app(['run', 'short.toml', '{switch}'])\n"
-        "except SystemExit as ended: assert not ended.code\n"
+        f"for command in ['run', 'short.toml', '{switch}'], ['{then}', 'short.h5']:\n"
+        "  try: app(command)\n"
+        "  except SystemExit as ended: assert not ended.code\n"
         f"heavy = 'xarray pandas dask scipy distributed jinja2 matplotlib.pyplot {drawn_by}'.split()\n"
         "print('imported:', *(name for name in heavy if name in sys.modules))"
     )

@@ -14,8 +14,12 @@ from warpgran.analysis.run_columns import RunColumns
 from warpgran.analysis.summary import summary_columns
 from warpgran.case.study import Study
 from warpgran.results.columns import opened_columns
+from warpgran.results.layout import Layout
+from warpgran.results.part_file import PartFile
 from warpgran.results.reading import open_dataset
 from warpgran.run.options import Options
+from warpgran.run.outcome import Outcome, attributes
+from warpgran.run.threads import compute
 from warpgran.run.to_file import run_to_file
 
 BASE = {"grid": {"right": 0.3, "cells": 50}, "time": {"end": 0.05, "rest_speed": 1e-3}}
@@ -50,6 +54,24 @@ def test_columns_of_a_file_are_those_of_its_dataset(tmp_path: Path, keys: dict[s
             np.testing.assert_array_equal(read.parameter(key), expected.parameter(key), err_msg=key)
         assert read.run.size == (2 if keys else 1)
         assert (read.source, messages(read)) == (expected.source, messages(expected))
+
+
+def test_numbers_of_runs_that_are_not_computed_yet_are_nan_as_in_the_dataset(tmp_path: Path) -> None:
+    case = wg.Case.from_dict(BASE | {"time": BASE["time"] | SERIES})
+    layout = Layout(case.sweep({"slope.angle": [0.0, 10.0, 22.0]}))
+    with PartFile(
+        tmp_path / "a.h5.part", layout, layout.attributes(**attributes(Options(engine="numpy"), Outcome()))
+    ) as part:
+        compute(part, Options(engine="numpy"), [1])
+        expected = RunColumns.of(open_dataset(part.path))
+        with opened_columns(part.path) as read:
+            assert read.status.tolist() == ["pending", "ok", "pending"]
+            for name in ("values", "series", "fields"):
+                for each, values in getattr(read, name).items():
+                    theirs = np.asarray(getattr(expected, name)[each])
+                    np.testing.assert_array_equal(np.asarray(values), theirs, err_msg=each)
+                    np.testing.assert_array_equal(values[1:, ...], theirs[1:, ...], err_msg=each)
+            assert messages(read) == messages(expected)
 
 
 def test_columns_of_a_file_without_samples_give_a_table(tmp_path: Path) -> None:

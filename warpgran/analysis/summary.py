@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def summary(data: xr.Dataset) -> pd.DataFrame:
+def summary(data: xr.Dataset | RunColumns) -> pd.DataFrame:
     """The results of each run in a row.
 
     Args:

@@ -43,16 +43,15 @@ def summary(
     csv: Annotated[Path | None, typer.Option("--csv", help="Write the table as CSV, for pandas or R.")] = None,
 ) -> None:
     """Print a table of all runs: how each ended, run-out, height, dilation, stop time."""
-    from warpgran.analysis.summary import summary, write_csv
-    from warpgran.results.reading import opened
+    from warpgran.analysis.summary import summary, summary_columns, write_csv
+    from warpgran.results.columns import opened_columns
 
-    with opened(file) as data:
-        print_caveats(data)
-        frame = summary(data)
-    if csv:
-        say(f"wrote {write_csv(frame, csv)}")
-    else:
-        print_summary(frame)
+    with opened_columns(file) as columns:
+        print_caveats(columns)
+        if csv:
+            say(f"wrote {write_csv(summary(columns), csv)}")
+        else:
+            print_summary(summary_columns(columns))
 
 
 def merge(

@@ -27,14 +27,14 @@ def plot(
 ) -> None:
     """Plot one run (profiles, time series), a batch (results over the swept keys), or files over each other."""
     from warpgran.figures.plot import plot
-    from warpgran.results.reading import opened
+    from warpgran.results.columns import opened_columns
 
     made = output or files[0].with_name("_".join(file.stem for file in files) + ".png")
     with ExitStack() as stack:
-        results = [stack.enter_context(opened(file)) for file in files]
+        results = [stack.enter_context(opened_columns(file)) for file in files]
         plot(*results, run=run, path=made)
         for file, data in zip(files, results, strict=True):
-            print_caveats(data if run is None else data.isel(run=[run]), of=file.name if len(files) > 1 else "")
+            print_caveats(data if run is None else data.pick(run), of=file.name if len(files) > 1 else "")
     say(f"wrote {made}")
 
 
