@@ -47,8 +47,8 @@ found.table().T
 print(*found.told(), sep="\n")
 
 # %%
-# The draws from the posterior. Two slopes fix the friction to some percent; of K they say little more than the prior
-# did, as the lines above have it.
+# The draws from the posterior. Two slopes fix the friction to some percent and K to about a quarter, as the lines above
+# have it.
 draws = found.stages.posterior.samples.theta.reshape(-1, 2)
 fig, ax = plt.subplots(layout="constrained")
 ax.plot(*draws.T, ".", markersize=3, label="posterior")
