@@ -5,6 +5,8 @@ python benchmarks/floors.py
 
 from __future__ import annotations
 
+from itertools import product
+
 from parts.counts import ARCH, counts, table, total
 
 from warpgran.case.case import Case
@@ -13,11 +15,11 @@ from warpgran.solve.variant import variant_of
 
 
 def main() -> None:
-    """Print the counts of each kernel and their sums, in both precisions, by the paper's scheme."""
+    """Print the counts of each launch and their sums, by both schemes and in both precisions."""
     start_quietly()
-    for precision in ("float64", "float32"):
-        found = counts(variant_of(Case().with_(**{"scheme.order": 1}), precision))
-        print(f"\n{precision}, order 1, of a cell and step, sm_{ARCH}")
+    for order, precision in product((2, 1), ("float64", "float32")):
+        found = counts(variant_of(Case().with_(**{"scheme.order": order}), precision))
+        print(f"\n{precision}, order {order}, of a cell and step, sm_{ARCH}")
         print(table(found))
         print(f"memory: {total(found).bytes(precision)} bytes")
 

@@ -2,9 +2,10 @@
 
     python benchmarks/orders.py [--rounds N]
 
-The work is that of throughput.py: the dense column on a horizontal plane, cells of 1 mm on 1 m of grid, from rest to
-0.3 s, a block of runs that fits the cache of a core, one thread; and a single run of 450 cells, which is bound by
-launches. Medians of rounds; a ratio is the median of the ratios of each round.
+The dense column on a horizontal plane, cells of 1 mm on 1 m of grid, from rest to 0.3 s: a block of such as the product
+cuts 64 runs into for one thread, by order 1, by order 2 without its start on finer cells, and with it, by default,
+where the cell-steps of the start count; and a single run of 450 cells, which is bound by launches. Processor time of
+one thread in the time loops, medians of rounds; a ratio is the median of the ratios of each round.
 """
 
 from __future__ import annotations
@@ -12,85 +13,73 @@ from __future__ import annotations
 import argparse
 import statistics
 import time
-from typing import NamedTuple, get_args
+from contextlib import closing
+from dataclasses import replace
+from typing import get_args
 
-import warpgran as wg
-from warpgran.run.options import Precision
-from warpgran.solve.blocks import CACHE
+import numpy as np
+from parts.report import machine, noise
+from parts.work import Precision, Round, Work, column, measured, median_ratio
+
 from warpgran.solve.device import start_quietly
 from warpgran.solve.schedule import Outputs
 from warpgran.solve.solver import Solver
-from warpgran.solve.state import bytes_of_run
-from warpgran.solve.variant import variant_of
+from warpgran.solve.start import solvers
+
+END = 0.3  # s
+BLOCKS = [Work(1000, 64, precision, window) for precision in get_args(Precision) for window in (False, True)]
+ALONE = Work(450, 1, "float64", window=True)
 
 
-class Work(NamedTuple):
-    """What is measured: the scheme, how, and the cells of a run; a block of runs, or one."""
+def from_rest(work: Work) -> Round:
+    """A round that computes a block of a work from rest and returns ns per cell-step."""
+    block = work.blocks()[0]
+    case = column(work.cells, work.window, {"time.end": END, "time.snapshots": [END], **work.scheme})
+    solver = Solver(block.capacity, block.padded, block.variant, Outputs.of(case))
+    cases = [case] * len(block.runs)
 
-    order: int
-    precision: Precision
-    window: bool
-    cells: int = 1000
-    block: bool = True
+    def round_() -> float:
+        seconds = 0.0
+        with closing(solvers(solver, cases)) as each:
+            for running in each:
+                began = time.thread_time()
+                while not running.replay():
+                    pass
+                seconds += time.thread_time() - began
+        state = solver.state
+        return seconds * 1e9 / float((state.steps.numpy() * np.array(state.cells) + state.start_surplus).sum())
 
-
-WORKS = [
-    Work(order, precision, window) for precision in get_args(Precision) for window in (False, True) for order in (1, 2)
-] + [Work(order, "float64", True, 450, block=False) for order in (1, 2)]
-
-
-class Measured:
-    """A solver for a work, and its rounds: cost of a cell-step, ns."""
-
-    def __init__(self, work: Work) -> None:
-        scheme = {"scheme.order": work.order, "scheme.window": work.window}
-        grid = {"slope.angle": 0.0, "grid.right": 0.8, "grid.cells": work.cells}
-        case = wg.Case().with_(
-            **{**grid, **scheme, "time.end": 0.3, "time.snapshots": [], "time.series": [0.3]},
-            **({"scheme.start": 0} if work.order == 2 else {}),
-        )
-        size = bytes_of_run(work.cells, Outputs.none(), variant_of(case, work.precision))
-        self.cases = [case] * (max(1, int(CACHE / size)) if work.block else 1)
-        self.work, self.rounds = work, list[float]()
-        self.solver = Solver.holding(self.cases, precision_name=work.precision)
-
-    def round(self) -> float:
-        """Compute all runs once."""
-        self.solver.load(self.cases)
-        began = time.perf_counter()
-        while not self.solver.replay():
-            pass
-        seconds = time.perf_counter() - began
-        return 1e9 * seconds / (self.steps * self.work.cells * len(self.cases))
-
-    @property
-    def steps(self) -> int:
-        """Of a run."""
-        return int(self.solver.state.steps.numpy()[0])
+    return round_
 
 
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--rounds", type=int, default=5)
     rounds: int = parser.parse_args().rounds
     start_quietly()
-    measured = [Measured(work) for work in WORKS]
-    for one in measured:
-        one.round()  # compiles
-    for _ in range(rounds):
-        for one in measured:
-            one.rounds.append(one.round())
-    print("ns per cell-step, median (least)    order 1          order 2          ratio   steps")
-    for first, second in zip(measured[::2], measured[1::2], strict=True):
-        work = first.work
-        ratio = statistics.median(b / a for a, b in zip(first.rounds, second.rounds, strict=True))
-        what = f"{work.precision}, {'window' if work.window else 'full range'}, {len(first.cases)} x {work.cells}"
-        told = [f"{statistics.median(m.rounds):6.2f} ({min(m.rounds):5.2f})" for m in (first, second)]
-        print(f"{what:35} {told[0]:16} {told[1]:16} {ratio:5.2f}   {first.steps}, {second.steps}")
-        if not work.block:
-            steps = [statistics.median(m.rounds) * work.cells * 1e-3 for m in (first, second)]
-            print(f"{'  a step of that run, microseconds':35} {steps[0]:6.1f}           {steps[1]:6.1f}")
+    print("\n".join(f"{name}: {value}" for name, value in machine().items()))
+    schemes = {"order 1": (1, None), "order 2": (2, 0), "with its start": (2, None)}
+    works = {
+        (work, name): replace(work, order=order, start=start)
+        for work in (*BLOCKS, ALONE)
+        for name, (order, start) in schemes.items()
+    }
+    figures, _ = measured({key: from_rest(work) for key, work in works.items()}, rounds)
+
+    def shown(values: list[float]) -> str:
+        return f"{statistics.median(values):8.2f} ({min(values):5.2f})"
+
+    print(f"\nns per cell-step, median (least); {noise(figures)}")
+    print(" " * 26 + "".join(f"{name:>16s}" for name in schemes) + "   ratios to order 1")
+    for work in (*BLOCKS, ALONE):
+        first, *others = (figures[work, name] for name in schemes)
+        what = f"{work.precision}, {'window' if work.window else 'full range'}, "
+        what += f"{work.cells}" if work is ALONE else "block"
+        ratios = "".join(f"{median_ratio(other, first):7.2f}" for other in others)
+        print(f"{what:26s}" + "".join(f"{shown(values):>16s}" for values in (first, *others)) + ratios)
+    steps = "".join(f"{statistics.median(figures[ALONE, name]) * ALONE.cells * 1e-3:16.1f}" for name in schemes)
+    print(f"{'  a step, microseconds':26s}{steps}")
 
 
 if __name__ == "__main__":

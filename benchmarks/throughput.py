@@ -1,5 +1,7 @@
 """How fast warpgran computes on the CPU: cost of a cell-step, against NumPy and numba, by stage, and of whole runs.
 
+By the default scheme, order 2, with order 1 beside it where they are compared.
+
     python benchmarks/throughput.py [--quick] [--json FILE] [--plot FILE.png]
 
 All in one process, in interleaved rounds: figures are medians of rounds, ratios medians of those of each round.
@@ -12,6 +14,7 @@ import json
 import os
 import statistics
 from dataclasses import asdict, dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any, get_args
 
@@ -111,8 +114,9 @@ def growth(figures: Figures) -> tuple[Figures, Figures]:
 
 def from_rest(effort: Effort) -> list[dict[str, Any]]:
     """A batch from rest to 0.3 s, in the way of the product."""
-    wanted = [Work(1000, effort.headline, precision, window, threads)
-              for precision in PRECISIONS for window in (False, True) for threads in THREADS]  # fmt: skip
+    wanted = [Work(1000, effort.headline, precision, window, threads, order)
+              for order in (1, 2) for precision in PRECISIONS for window in (False, True)
+              for threads in THREADS]  # fmt: skip
     figures, processors = measured({work: headline(work) for work in wanted}, effort.rounds)
     heading(f"{effort.headline} runs of 1000 cells from rest to 0.3 s, ns per cell-step; {noise(figures)}")
     listed(figures, _way, wanted[0])
@@ -122,34 +126,35 @@ def from_rest(effort: Effort) -> list[dict[str, Any]]:
 
 def _way(work: Work) -> str:
     threads = f"{work.threads} thread{'s' if work.threads > 1 else ''}"
-    return f"{work.precision}, {'window' if work.window else 'full range'}, {threads}"
+    return f"order {work.order}, {work.precision}, {'window' if work.window else 'full'}, {threads}"
 
 
-def against_others(crews: Crews, effort: Effort) -> dict[int, dict[str, list[float]]]:
-    """One run on one core by the kernels, NumPy and numba."""
+def against_others(crews: Crews, effort: Effort) -> dict[str, dict[str, list[float]]]:
+    """One run on one core by the kernels, NumPy and, order 1 alone, numba."""
     found = {}
-    for cells in (1_000, 10_000):
-        figures, _ = measured(rivals(crews, cells), effort.rounds)
-        found[cells] = figures
-        heading(f"One run of {cells} cells on one core, ns per cell-step; {noise(figures)}")
+    for order, cells in product((2, 1), (1_000, 10_000)):
+        figures, _ = measured(rivals(crews, cells, order), effort.rounds)
+        found[f"order {order}, {cells} cells"] = figures
+        heading(f"One run of {cells} cells by order {order} on one core, ns per cell-step; {noise(figures)}")
         listed(figures, str, NUMPY)
         if NUMBA in figures:
             for precision in PRECISIONS:
                 ratio = median_ratio(figures[NUMBA], figures[f"kernels, {precision}, full range"])
                 print(f"kernels in {precision} over the full range: {ratio:.2f} times as fast as numba")
-        else:
+        elif order == 1:
             print("numba is not installed, so not compared: pip install -e '.[bench]'")
     return found
 
 
 def by_stage(crews: Crews, effort: Effort) -> dict[str, dict[str, list[float]]]:
-    """Each kernel of a step, and the divider."""
+    """Each launch of a step, and the divider."""
     found: dict[str, dict[str, list[float]]] = {}
-    for precision in PRECISIONS:
-        work = Work(1000, 64, precision)
+    for order, precision in product((2, 1), PRECISIONS):
+        work = Work(1000, 64, precision, order=order)
         figures, _ = measured(stages(crews.of(work)[0], work.cells), effort.rounds)
-        found[precision] = figures
-        heading(f"By kernel, {precision}, a block of {work.blocks()[0].capacity} runs of 1000 cells, ns per cell")
+        found[f"order {order}, {precision}"] = figures
+        capacity = work.blocks()[0].capacity
+        heading(f"By launch, order {order}, {precision}, a block of {capacity} runs of 1000 cells, ns per cell")
         listed(figures, str)
         print(f"{'sum':36s}{sum(map(statistics.median, figures.values())):8.2f}, {len(figures)} launches a step")
     figures, _ = measured(divider(), effort.rounds)

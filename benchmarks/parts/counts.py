@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import warp as wp
+from parts.stages import numbered
 
 from warpgran.kernels.build import build
 from warpgran.kernels.precision import Variant
@@ -51,10 +52,12 @@ class Count:
 
 
 def counts(variant: Variant) -> dict[str, Count]:
-    """The count of each kernel that visits cells at every step, in their order."""
-    kernels = [stage.kernel for stage in build(variant, many_lanes=True).step if stage.over is Over.CELLS]
+    """The count of each launch that visits cells at every step, in their order."""
+    stages = [stage for stage in build(variant, many_lanes=True).step if stage.over is Over.CELLS]
+    kernels = [stage.kernel for stage in stages if "active" in inspect.signature(stage.kernel.func).parameters]
     code = _ptx(kernels[0].module)
-    return {kernel.func.__name__: _count(kernel, code) for kernel in kernels}
+    names = numbered(kernel.func.__name__ for kernel in kernels)
+    return {name: _count(kernel, code) for name, kernel in zip(names, kernels, strict=True)}
 
 
 def total(found: dict[str, Count]) -> Count:

@@ -27,7 +27,7 @@ END = 0.3  # s
 
 def headline(work: Work) -> Round:
     """A round that computes a batch from rest to 0.3 s and returns ns per cell-step by its attributes."""
-    case = column(work.cells, work.window, {"time.end": END, "time.snapshots": [END]})
+    case = column(work.cells, work.window, {"time.end": END, "time.snapshots": [END], **work.scheme})
     layout = Layout(Study.of([case] * work.runs))
     options = Options(precision=work.precision, threads=work.threads)
 

@@ -21,13 +21,13 @@ class DifferentError(RuntimeError):
     """What was to be timed does not compute the same."""
 
 
-def rivals(crews: Crews, cells: int) -> dict[str, Round]:
-    """Rounds that return ns per cell-step of one run.
+def rivals(crews: Crews, cells: int, order: int) -> dict[str, Round]:
+    """Rounds that return ns per cell-step of one run by the scheme of an order.
 
     Raises:
         DifferentError: After 50 steps one of them in float64 is further than 1e-10 from the reference.
     """
-    full = Work(cells, 1)
+    full = Work(cells, 1, order=order)
     moving = crews.of(full)[0]
     moving.put_back()
     case, U = full.case, moving.U
@@ -43,14 +43,14 @@ def rivals(crews: Crews, cells: int) -> dict[str, Round]:
             run.step()
 
     rounds = {NUMPY: _round(by_reference, cells * STEPS)}
-    numba = _numba(case, U)
+    numba = _numba(case, U) if order == 1 else None
     if numba:
         numba.advance(CHECKED)
         _check(NUMBA, numba.U, expected)
         rounds[NUMBA] = _numba_round(numba, U, cells)
     for precision in ("float64", "float32"):
         for window in (False, True):
-            work = Work(cells, 1, precision, window)
+            work = Work(cells, 1, precision, window, order=order)
             label = f"kernels, {precision}, {'window' if window else 'full range'}"
             if precision == "float64":
                 _check(label, _after(crews.of(work)[0]), expected)
@@ -64,7 +64,7 @@ def _after(moving: Moving) -> Array:
 
 
 def _numba(case: Any, U: Array) -> Any:
-    """The run in numba; None where numba is not installed."""
+    """A run of order 1 in numba; None where numba is not installed."""
     try:
         from parts.numba_version import NumbaRun
     except ImportError:
@@ -85,9 +85,9 @@ def _numba_round(run: Any, U: Array, cells: int) -> Round:
 
 def _round(go: Callable[[], None], cell_steps: int) -> Round:
     def round_() -> float:
-        began = time.perf_counter()
+        began = time.thread_time()
         go()
-        return (time.perf_counter() - began) * 1e9 / cell_steps
+        return (time.thread_time() - began) * 1e9 / cell_steps
 
     return round_
 

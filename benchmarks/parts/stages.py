@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 from unittest import mock
 
 import numpy as np
 import warp as wp
-from parts.work import Moving, Round
+from parts.work import Moving, Round, clock_of
 
 REPEATS = 200
 IN_CACHE = 8192
@@ -18,16 +18,27 @@ IN_CACHE = 8192
 
 
 def stages(moving: Moving, cells: int, repeats: int = REPEATS) -> dict[str, Round]:
-    """A round for each kernel of a step, in their order, that returns ns per cell of runs of so many cells."""
+    """A round for each launch of a step, in their order, that returns ns per cell of runs of so many cells."""
     moving.put_back()
     state = moving.solver.state
     rounds = {}
-    for kernel, keywords in launches(moving.solver.step):
+    launched = launches(moving.solver.step)
+    names = numbered(kernel.func.__name__ for kernel, _ in launched)
+    for name, (kernel, keywords) in zip(names, launched, strict=True):
         with wp.ScopedCapture(device=moving.solver.device) as capture:
             for _ in range(repeats):
                 wp.launch(kernel, **keywords)
-        rounds[kernel.key.split("__")[-1]] = _round(capture.graph, repeats * state.runs * cells, moving)
+        rounds[name] = _round(capture.graph, repeats * state.runs * cells, moving)
     return rounds
+
+
+def numbered(names: Iterable[str]) -> list[str]:
+    """Names of launches, those of a kernel that is launched again in a step with a number."""
+    found: list[str] = []
+    for name in names:
+        times = 1 + sum(other.split()[0] == name for other in found)
+        found.append(name if times == 1 else f"{name} {times}")
+    return found
 
 
 def launches(step: Callable[[], None]) -> list[tuple[Any, dict[str, Any]]]:
@@ -39,13 +50,16 @@ def launches(step: Callable[[], None]) -> list[tuple[Any, dict[str, Any]]]:
 
 
 def _round(graph: Any, cells: int, moving: Moving) -> Round:
+    device = moving.solver.device
+    clock = clock_of(device)
+
     def round_() -> float:
         moving.put_back()
-        wp.synchronize_device(moving.solver.device)
-        began = time.perf_counter()
+        wp.synchronize_device(device)
+        began = clock()
         wp.capture_launch(graph)
-        wp.synchronize_device(moving.solver.device)
-        return (time.perf_counter() - began) * 1e9 / cells
+        wp.synchronize_device(device)
+        return (clock() - began) * 1e9 / cells
 
     return round_
 
@@ -65,9 +79,9 @@ def divider() -> dict[str, Round]:
 
 def _repeated(call: Callable[[], Any]) -> Round:
     def round_() -> float:
-        began = time.perf_counter()
+        began = time.thread_time()
         for _ in range(2 * REPEATS):
             call()
-        return (time.perf_counter() - began) * 1e9 / (2 * REPEATS * IN_CACHE)
+        return (time.thread_time() - began) * 1e9 / (2 * REPEATS * IN_CACHE)
 
     return round_

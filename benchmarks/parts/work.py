@@ -47,6 +47,8 @@ class Work:
         precision: "float64" or "float32".
         window: Whether only what is wet is visited.
         threads: Blocks at once.
+        order: Scheme, by its order.
+        start: Levels of its start on finer cells; None for the default.
     """
 
     cells: int
@@ -54,11 +56,18 @@ class Work:
     precision: Precision = "float64"
     window: bool = False
     threads: int = 1
+    order: int = 2
+    start: int | None = None
+
+    @property
+    def scheme(self) -> dict[str, int]:
+        """Keys of the run file that choose the scheme."""
+        return {"scheme.order": self.order} | ({} if self.start is None else {"scheme.start": self.start})
 
     @property
     def case(self) -> Case:
         """The dense column on a horizontal plane, with no output on the way."""
-        return column(self.cells, self.window)
+        return column(self.cells, self.window, self.scheme)
 
     def blocks(self) -> list[Block]:
         """How a computation of this many runs is cut."""
@@ -70,13 +79,18 @@ class Work:
 
 
 def column(cells: int, window: bool, changes: Mapping[str, Any] | None = None) -> Case:
-    """The dense column on a horizontal plane, 1000 cells of 1 mm; changes by dotted key.
+    """The dense column on a horizontal plane, 1000 cells of 1 mm, by the default scheme; changes by dotted key.
 
     One output by default, later than is reached.
     """
     values: dict[str, Any] = {"grid.right": 0.8, "grid.cells": cells, "scheme.window": window}
-    values |= {"time.end": 10.0, "time.snapshots": [10.0], "time.series": [], "scheme.order": 1}
+    values |= {"time.end": 10.0, "time.snapshots": [10.0], "time.series": []}
     return Case().with_(**(values | dict(changes or {})))
+
+
+def clock_of(device: Any) -> Callable[[], float]:
+    """Processor time of the thread [s], which others on the machine do not touch but for its caches; of a GPU, time."""
+    return time.thread_time if device.is_cpu else time.perf_counter
 
 
 class Moving:
@@ -99,6 +113,7 @@ class Moving:
         while float(state.t.numpy()[0]) < start:
             self.solver.replay(budget=20)
         self._kept = [(array, wp.clone(array)) for array in _arrays(vars(state).values())]
+        self._clock = clock_of(self.solver.device)
 
     def put_back(self) -> None:
         """Undo all steps since the start."""
@@ -109,9 +124,9 @@ class Moving:
         """Time of some steps from the start."""
         self.put_back()
         wp.synchronize_device(self.solver.device)
-        began = time.perf_counter()
+        began = self._clock()
         self.solver.replay(budget=steps)
-        return time.perf_counter() - began
+        return self._clock() - began
 
     @property
     def U(self) -> Array:
@@ -143,7 +158,7 @@ class Crews:
     def of(self, work: Work) -> list[Moving]:
         """As many solvers as the work has threads."""
         block = work.blocks()[0]
-        crew = self._kept.setdefault((work.cells, work.precision, work.window, block.capacity), [])
+        crew = self._kept.setdefault((work.case, block), [])
         while len(crew) < work.threads:
             crew.append(Moving(work.case, block))
         return crew[: work.threads]
