@@ -1,10 +1,9 @@
 """How fast warpgran computes on the CPU: cost of a cell-step, against NumPy and numba, by stage, and of whole runs.
 
-By the default scheme, order 2, with order 1 beside it where they are compared.
+    python benchmarks/throughput.py [--quick] [--only PART ...] [--json FILE] [--plot FILE.png]
 
-    python benchmarks/throughput.py [--quick] [--json FILE] [--plot FILE.png]
-
-All in one process, in interleaved rounds: figures are medians of rounds, ratios medians of those of each round.
+By order 2, the default scheme; from rest, on one core and by launch with order 1 beside it. All in one process, in
+interleaved rounds: figures are medians of rounds, ratios medians of those of each round.
 """
 
 from __future__ import annotations
@@ -30,6 +29,7 @@ CELLS = (500, 1000, 4000, 16_000)
 RUNS = (1, 16, 64, 512)
 TOTAL = 64_000  # cells of all runs together, where cost is compared over the cells of a run
 PRECISIONS: tuple[Precision, ...] = get_args(Precision)
+PARTS = ("throughput", "from_rest", "one_core", "stages", "whole")
 THREADS = tuple(dict.fromkeys((1, os.cpu_count() or 1)))
 
 
@@ -83,7 +83,6 @@ def throughput(crews: Crews, effort: Effort) -> tuple[Figures, list[dict[str, An
     grid(figures, lambda work: f"{medians[work]:.2f}")
     heading("The same as throughput, million cell-steps per second")
     grid(figures, lambda work: f"{1e3 / medians[work]:.0f}")
-    warn_of_others(processors)
     print("\n".join(f"skipped: {words}" for words in skipped))
     blocks = {work: work.blocks() for work in wanted}
     return figures, [
@@ -188,30 +187,30 @@ def main() -> None:
     parser.add_argument(
         "--quick", action="store_true", help="one minute instead of five: fewer combinations and rounds"
     )
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, help="measure some parts alone")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rounds")
     parser.add_argument("--plot", type=Path, metavar="FILE.png", help="draw cost over cells and over runs")
     chosen = parser.parse_args()
     effort = QUICK if chosen.quick else Effort()
     start_quietly()
-    facts = machine()
-    print("\n".join(f"{name}: {value}" for name, value in facts.items()))
+    found: dict[str, Any] = {"machine": machine(), "effort": asdict(effort), "unit": "ns per cell-step, but s in whole"}
+    print("\n".join(f"{name}: {value}" for name, value in found["machine"].items()))
     crews = Crews()
-    figures, table = throughput(crews, effort)
-    over_cells, over_runs = growth(figures)
-    found = {
-        "machine": facts,
-        "effort": asdict(effort),
-        "unit": "ns per cell-step, but seconds in whole",
-        "throughput": table,
-        "from_rest": from_rest(effort),
-        "one_core": against_others(crews, effort),
-        "stages": by_stage(crews, effort),
-        "whole": whole(effort),
-    }
+    if "throughput" in chosen.only:
+        figures, found["throughput"] = throughput(crews, effort)
+        over = growth(figures)
+        if chosen.plot:
+            picture(chosen.plot, *over, (f"{TOTAL:,} cells in all", "runs of 1,000 cells"))
+    if "from_rest" in chosen.only:
+        found["from_rest"] = from_rest(effort)
+    if "one_core" in chosen.only:
+        found["one_core"] = against_others(crews, effort)
+    if "stages" in chosen.only:
+        found["stages"] = by_stage(crews, effort)
+    if "whole" in chosen.only:
+        found["whole"] = whole(effort)
     if chosen.json:
         chosen.json.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    if chosen.plot:
-        picture(chosen.plot, over_cells, over_runs, (f"{TOTAL:,} cells in all", "runs of 1,000 cells"))
 
 
 if __name__ == "__main__":

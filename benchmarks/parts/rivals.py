@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
+from typing import Any, get_args
 
 import numpy as np
-from parts.work import Array, Crews, Moving, Round, Work
+from parts.work import Array, Crews, Moving, Precision, Round, Work
 
 from warpgran.physics.reference import reference
 
@@ -27,7 +28,7 @@ def rivals(crews: Crews, cells: int, order: int) -> dict[str, Round]:
     Raises:
         DifferentError: After 50 steps one of them in float64 is further than 1e-10 from the reference.
     """
-    full = Work(cells, 1, order=order)
+    full = Work(cells, 1, order=order, start=0 if order == 2 else None)  # the state is that of these cells
     moving = crews.of(full)[0]
     moving.put_back()
     case, U = full.case, moving.U
@@ -48,9 +49,9 @@ def rivals(crews: Crews, cells: int, order: int) -> dict[str, Round]:
         numba.advance(CHECKED)
         _check(NUMBA, numba.U, expected)
         rounds[NUMBA] = _numba_round(numba, U, cells)
-    for precision in ("float64", "float32"):
+    for precision in get_args(Precision):
         for window in (False, True):
-            work = Work(cells, 1, precision, window, order=order)
+            work = replace(full, precision=precision, window=window)
             label = f"kernels, {precision}, {'window' if window else 'full range'}"
             if precision == "float64":
                 _check(label, _after(crews.of(work)[0]), expected)

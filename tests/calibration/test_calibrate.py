@@ -43,7 +43,7 @@ predictive = 6
 
 def coverage() -> ModuleType:
     """The benchmark that makes experiments."""
-    spec = importlib.util.spec_from_file_location("coverage", BENCHMARKS / "coverage.py")
+    spec = importlib.util.spec_from_file_location("intervals", BENCHMARKS / "intervals.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -198,7 +198,7 @@ def test_check_checks_the_section(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "sigma"), [(1, True), (2, False)])
 def test_truths_are_recovered_from_noisy_measurements(tmp_path: Path, seed: int, sigma: bool) -> None:
-    """Two experiments of the rank histogram in benchmarks/coverage.py."""
+    """Two experiments of the rank histogram in benchmarks/intervals.py."""
     made = coverage()
     base = made.base_case(60)
     rng = np.random.default_rng([7, seed])

@@ -1,6 +1,6 @@
 """Do the intervals of `warpgran calibrate` contain the truth as often as they say?
 
-    python benchmarks/coverage.py [--experiments 50] [--noise 0.05] [--sigma | --no-sigma] [--cells 80]
+    python benchmarks/intervals.py [--experiments 50] [--noise 0.05] [--sigma | --no-sigma] [--cells 80]
 
 Draws truths from the prior, makes measurements on two slopes of a coarse grid with noise, calibrates each, and prints
 the ranks of the truths among the draws of the posteriors: uniform if the posteriors are right (Talts et al. 2018,
