@@ -47,7 +47,7 @@ WAYS: list[tuple[str, dict[str, Any], tuple[str, ...]]] = [
     ("float64", {}, tuple(SHAPES)),
     ("float32", {}, ("plain loop", "256 lanes")),
     ("float64", OTHER_SECOND, ("plain loop", "64 lanes")),
-    ("float64", FIRST, ("plain loop", "32 lanes", "64 lanes")),
+    ("float64", FIRST, ("plain loop", "64 lanes")),
     ("float32", FIRST, ("plain loop", "64 lanes")),
     ("float64", OTHER_FIRST, ("plain loop", "64 lanes")),
 ]

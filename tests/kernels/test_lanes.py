@@ -19,7 +19,7 @@ from warpgran.solve.variant import variant_of
 
 COMPARED = [
     (0, "32 lanes"), (0, "64 lanes"), (0, "256 lanes"), (1, "256 lanes"), (2, "64 lanes"), (0, "one block"),
-    (3, "32 lanes"), (3, "64 lanes"), (4, "64 lanes"), (5, "64 lanes"),
+    (3, "64 lanes"), (4, "64 lanes"), (5, "64 lanes"),
 ]  # fmt: skip
 """Ways of tests/helpers/lanes.py, and the shapes compared with their plain loops; for one block see
 benchmarks/parts/one_block.py."""
