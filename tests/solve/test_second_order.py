@@ -86,6 +86,17 @@ def test_whole_collapse_agrees_with_the_reference(device: str) -> None:
         assert kernels.scalars[name] == pytest.approx(value, rel=1e-10), name
 
 
+@pytest.mark.parametrize("ends", ["wall", "open"])
+def test_what_fills_the_grid_to_its_ends_agrees_with_the_reference(ends: str, device: str) -> None:
+    x = (np.arange(60) + 0.5) / 60
+    changes = {"slope.angle": 40.0, "scheme.left": ends, "scheme.right": ends}
+    case = at_centres(0.1 + 0.05 * np.cos(2.0 * x), 0.55 + 0.05 * x, **changes)
+    kernels, plain = (ran(engine, case, [0.02]) for engine in (device, "numpy"))
+    assert kernels.steps == plain.steps
+    assert np.abs(decode(plain.U, case).v[[0, -1]]).min() > 1e-3
+    assert difference(case, kernels.U, plain.U) <= 1e-12
+
+
 def test_float32_agrees_with_float64(device: str) -> None:
     case = small(**ON_ONE_GRID, **{"grid.cells": 800})
     single, double = (ran(device, case, [0.3], precision) for precision in ("float32", "float64"))
