@@ -27,7 +27,7 @@ def caveats(data: xr.Dataset | RunColumns) -> dict[str, Array]:
     """Which runs have results that hold with a reserve.
 
     Args:
-        data: a result, with all its runs or some (`data.isel(run=[0, 3])`).
+        data: A result, with all its runs or some (`data.isel(run=[0, 3])`).
 
     Returns:
         Boolean arrays over the runs, by name; False also where the result cannot tell.
@@ -37,7 +37,7 @@ def caveats(data: xr.Dataset | RunColumns) -> dict[str, Array]:
           run-out, and is none of these
 
     Raises:
-        ResultError: a selection without the dimension `run`.
+        ResultError: A selection without the dimension `run`.
     """
     data = RunColumns.of(data)
     # A NaN, of what was not computed or is not known, is neither above nor below anything.
@@ -53,13 +53,13 @@ def messages(data: xr.Dataset | RunColumns) -> list[str]:
     """The caveats of a result in words, a line each, and the runs that did not end cleanly, by name.
 
     Args:
-        data: a result, with all its runs or some.
+        data: A result, with all its runs or some.
 
     Returns:
         Lines without a full stop; none of a result without reserve.
 
     Raises:
-        ResultError: a selection without the dimension `run`.
+        ResultError: A selection without the dimension `run`.
     """
     data = RunColumns.of(data)
     found = caveats(data)

@@ -37,15 +37,15 @@ class Compared:
     """Two results against each other.
 
     Attributes:
-        identical: whether they have the same runs on the same grids at the same times, and in all of them the same
+        identical: Whether they have the same runs on the same grids at the same times, and in all of them the same
             results bit for bit. Neither parameters nor versions count.
-        parameters: a row a key of the run file that differs, with its value in a and in b, or how many it has.
-        facts: a row a version, engine, precision or device that differs.
-        runs: a row a pair of runs: run_a, run_b, the keys by whose values they were matched, status_a, status_b, and
+        parameters: A row a key of the run file that differs, with its value in a and in b, or how many it has.
+        facts: A row a version, engine, precision or device that differs.
+        runs: A row a pair of runs: run_a, run_b, the keys by whose values they were matched, status_a, status_b, and
             whether they are identical.
-        differences: a row a quantity of a pair of runs; the columns are those of `Largest`. h is compared in all cells,
+        differences: A row a quantity of a pair of runs; the columns are those of `Largest`. h is compared in all cells,
             v and phi where the compacted thickness exceeds scheme.h_front in both.
-        notes: what is to be known of how they were compared, in lines without a full stop.
+        notes: What is to be known of how they were compared, in lines without a full stop.
     """
 
     identical: bool
@@ -84,14 +84,14 @@ def compare(a: xr.Dataset, b: xr.Dataset) -> Compared:
     grids differ, h, v and phi of the finer are interpolated linearly in x at the cell centres of the coarser.
 
     Args:
-        a: a result, with all its runs or some (`data.isel(run=[0, 3])`).
-        b: another.
+        a: A result, with all its runs or some (`data.isel(run=[0, 3])`).
+        b: Another.
 
     Returns:
         What differs in parameters, versions, runs and numbers; `identical` says whether anything does.
 
     Raises:
-        ResultError: a selection without the dimension `run`, or no run of one has a counterpart in the other.
+        ResultError: A selection without the dimension `run`, or no run of one has a counterpart in the other.
     """
     if not all("run" in data.dims for data in (a, b)):
         raise ResultError("a comparison needs the dimension `run`: select one run with data.isel(run=[0])")

@@ -27,15 +27,15 @@ class Largest(NamedTuple):
     """The largest difference of a quantity between two runs, or the difference of one that has a single value.
 
     Attributes:
-        run_a: number of the run in a.
-        run_b: number of the run in b.
-        quantity: its name in the result.
-        a: what it is in a there and then, in the units of the result.
-        b: what it is in b.
+        run_a: Number of the run in a.
+        run_b: Number of the run in b.
+        quantity: Its name in the result.
+        a: What it is in a there and then, in the units of the result.
+        b: What it is in b.
         difference: b - a; NaN where nothing can be compared, as after a divergence.
-        time: when, s; NaN of a single value.
-        x: where, m; NaN of a series and of a single value.
-        identical: whether all that was compared is the same bit for bit.
+        time: When, s; NaN of a single value.
+        x: Where, m; NaN of a series and of a single value.
+        identical: Whether all that was compared is the same bit for bit.
     """
 
     run_a: int
@@ -105,11 +105,11 @@ def of_fields(
     """The largest difference of h, v and phi at the times that both have; counts the grids that differ.
 
     Args:
-        a: a result.
-        b: another.
+        a: A result.
+        b: Another.
         pairs: runs to compare.
         parameters: of either.
-        grids: where pairs on different grids, or on different beds, are counted.
+        grids: Where pairs on different grids, or on different beds, are counted.
     """
     at_a, at_b = common_times(a["time"].values, b["time"].values)
     t, numbers = a["time"].values[at_a], _numbers(a, b, pairs)

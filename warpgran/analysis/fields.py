@@ -21,15 +21,15 @@ def parameter(data: xr.Dataset, key: str, default: Any = None) -> xr.DataArray:
     coordinate, what the attribute case_toml says.
 
     Args:
-        data: a result, with all its runs or (after `data.isel(run=0)`) one.
-        key: dotted key of the run file, e.g. "slope.angle"; in the units of the run file.
-        default: the value where the result does not have the key; None for an error.
+        data: A result, with all its runs or (after `data.isel(run=0)`) one.
+        key: Dotted key of the run file, e.g. "slope.angle"; in the units of the run file.
+        default: The value where the result does not have the key; None for an error.
 
     Returns:
         The values over `run` where they vary, else one value without dimensions.
 
     Raises:
-        ResultError: a run has no such parameter, and no default is given.
+        ResultError: A run has no such parameter, and no default is given.
     """
     swept = data[key] if key in data.variables else None
     texts = data.coords.get("case_toml", xr.DataArray(data.attrs.get("case_toml", "")))
@@ -48,9 +48,9 @@ def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
     """Fields that follow from h, v and phi.
 
     Args:
-        data: a result with h [m], v [m/s] and phi [-] over (run, time, x), and case_toml; what selections
+        data: A result with h [m], v [m/s] and phi [-] over (run, time, x), and case_toml; what selections
             leave of one (a run, an instant, some cells) will do, and several joined along run.
-        names: any of gamma, shear rate [1/s] (2.15); I, inertial number [-] (2.10, 2.11); phi_eq, volume fraction of
+        names: Any of gamma, shear rate [1/s] (2.15); I, inertial number [-] (2.10, 2.11); phi_eq, volume fraction of
             the critical state [-] (2.9, in the form of `rheology.phi_eq`); psi, dilatancy angle [degrees] (2.8); mu,
             friction with that of side walls [-] (2.13, 2.14, 4.1). All of them if none is given.
 
@@ -58,8 +58,8 @@ def derive(data: xr.Dataset, *names: str) -> xr.Dataset:
         The fields asked for, with the dimensions of h; NaN where h, v or phi is.
 
     Raises:
-        OptionError: an unknown name.
-        ResultError: a parameter that the result does not have.
+        OptionError: An unknown name.
+        ResultError: A parameter that the result does not have.
     """
     unknown = [name for name in names if name not in FIELDS]
     if unknown:

@@ -42,7 +42,7 @@ def forces(data: xr.Dataset) -> xr.Dataset:
     what holds the mass against gravity and pressure, up to mu g_c phi h.
 
     Args:
-        data: a result with x, bed, h [m], v [m/s] and phi [-] over (run, time, x), at least two snapshots and
+        data: A result with x, bed, h [m], v [m/s] and phi [-] over (run, time, x), at least two snapshots and
             case_toml; one run of it will do, and several joined along run.
 
     Returns:
@@ -50,7 +50,7 @@ def forces(data: xr.Dataset) -> xr.Dataset:
         NaN in the first and the last cell, where there is no neighbour.
 
     Raises:
-        ResultError: fewer than two snapshots, or a parameter that the result does not have.
+        ResultError: Fewer than two snapshots, or a parameter that the result does not have.
     """
     if data.sizes.get("time", 0) < 2:
         raise ResultError("the acceleration needs two snapshots or more, close to each other: time.snapshots")

@@ -22,11 +22,11 @@ def with_keys(data: xr.Dataset, *keys: str) -> xr.Dataset:
     Results of different sweeps can then be joined along run by xr.concat, which asks for the same coordinates in each.
 
     Args:
-        data: a result, with all its runs or some.
-        keys: dotted keys, e.g. "slope.angle".
+        data: A result, with all its runs or some.
+        keys: Dotted keys, e.g. "slope.angle".
 
     Raises:
-        ResultError: a run has no such parameter, or a selection without the dimension `run`.
+        ResultError: A run has no such parameter, or a selection without the dimension `run`.
     """
     if "run" not in data.dims:
         raise ResultError("coordinates of runs need the dimension `run`: select one run with data.isel(run=[0])")

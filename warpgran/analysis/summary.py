@@ -22,7 +22,7 @@ def summary(data: xr.Dataset | RunColumns) -> pd.DataFrame:
     """The results of each run in a row.
 
     Args:
-        data: a result, with all its runs or some (`data.isel(run=[0, 3])`).
+        data: A result, with all its runs or some (`data.isel(run=[0, 3])`).
 
     Returns:
         A row a run. NaN where the run diverged or was interrupted before, or never came to rest. The values of a run
@@ -42,7 +42,7 @@ def summary(data: xr.Dataset | RunColumns) -> pd.DataFrame:
         - left_grid, moving: whether run_out and front are lower bounds, or not final; see `caveats`
 
     Raises:
-        ResultError: a selection without the dimension `run`.
+        ResultError: A selection without the dimension `run`.
     """
     import pandas as pd
 
@@ -75,7 +75,7 @@ def write_csv(frame: pd.DataFrame, path: str | Path) -> Path:
         The path of the file.
 
     Raises:
-        StorageError: the file cannot be written, or one is there that is no earlier summary.
+        StorageError: The file cannot be written, or one is there that is no earlier summary.
     """
     path = Path(path)
     with replacing(path, ours=b",status,end_time,") as part:

@@ -31,18 +31,18 @@ def animate(
     """Animate the collapse of one run on its slope, one frame a snapshot, coloured by volume fraction.
 
     Args:
-        data: a result with two snapshots or more.
-        run: which run of the result, counted from 0.
-        path: an animation to write, too: .gif, or .mp4 where ffmpeg is installed.
-        fps: frames a second; by default so many that it takes about 5 s.
-        dpi: pixels an inch; a frame is about 8 inches wide.
+        data: A result with two snapshots or more.
+        run: Which run of the result, counted from 0.
+        path: An animation to write, too: .gif, or .mp4 where ffmpeg is installed.
+        fps: Frames a second; by default so many that it takes about 5 s.
+        dpi: Pixels an inch; a frame is about 8 inches wide.
 
     Returns:
         The animation, one of matplotlib's. A notebook shows it, and `save` writes it.
 
     Raises:
-        OptionError: another suffix.
-        StorageError: the animation cannot be written, or a file is there that warpgran did not write.
+        OptionError: Another suffix.
+        StorageError: The animation cannot be written, or a file is there that warpgran did not write.
         ResultError: .mp4 without ffmpeg, no such run, or fewer than two snapshots.
     """
     path = None if path is None else checked(path, ANIMATION_SUFFIXES)
@@ -71,7 +71,7 @@ class Film(FuncAnimation):
     """An animation that is drawn and saved in our style wherever it is taken, and that a notebook shows by itself.
 
     Attributes:
-        figure: what is drawn on.
+        figure: What is drawn on.
         advice: how to get more frames, if there are few; else "".
     """
 
@@ -93,7 +93,7 @@ class Film(FuncAnimation):
         """A player of at most 250 snapshots for a page; unlike matplotlib's it loads nothing from elsewhere.
 
         Args:
-            fps: frames a second; by default those of the animation.
+            fps: Frames a second; by default those of the animation.
             embed_frames: always so, whatever is asked.
             default_mode: "once" ends with the last frame; by default it begins again.
         """

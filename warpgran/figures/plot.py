@@ -32,19 +32,19 @@ def plot(
     the runs, eight at most, are drawn over each other: thickness at instants that all share, and series.
 
     Args:
-        results: one or more.
-        run: one run of a batch, or of each result, counted from 0; by default all together.
-        labels: what several results are called; by default by their files, or titles, and by what differs.
-        path: a picture to write, too: .png (200 dpi), .pdf or .svg.
+        results: One or more.
+        run: One run of a batch, or of each result, counted from 0; by default all together.
+        labels: What several results are called; by default by their files, or titles, and by what differs.
+        path: A picture to write, too: .png (200 dpi), .pdf or .svg.
 
     Returns:
         The figure. A notebook shows it, `figure.savefig("page.pdf")` saves it, and `figure.axes` are its panels.
 
     Raises:
-        OptionError: another suffix, or what is to be drawn is no result.
-        ResultError: no such run, more than eight over each other, nothing to draw, or a selection without the
+        OptionError: Another suffix, or what is to be drawn is no result.
+        ResultError: No such run, more than eight over each other, nothing to draw, or a selection without the
             dimension `run`.
-        StorageError: the picture cannot be written, or a file is there that warpgran did not write.
+        StorageError: The picture cannot be written, or a file is there that warpgran did not write.
     """
     path = None if path is None else checked(path, PLOT_SUFFIXES)
     every = [_columns(data) for data in results]

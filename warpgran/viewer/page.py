@@ -63,7 +63,7 @@ class View:
     Attributes:
         results: by the name of their file, each with the runs of the table.
         runs: how many runs there are in the files.
-        room: bytes that profiles may take.
+        room: Bytes that profiles may take.
         cells: most cells of a profile.
         shown: rows of the table that have profiles.
     """
@@ -88,18 +88,18 @@ def view(
     large results some cells and runs are left out, which the page says.
 
     Args:
-        results: a result, or several by name, as {"a.h5": wg.open_dataset("a.h5")}.
-        path: the page to write, .html.
-        runs: numbers of the runs (coordinate `run`) to take from each result; by default all, or as many as fit.
-        max_size: bytes of the page, at most.
+        results: A result, or several by name, as {"a.h5": wg.open_dataset("a.h5")}.
+        path: The page to write, .html.
+        runs: Numbers of the runs (coordinate `run`) to take from each result; by default all, or as many as fit.
+        max_size: Bytes of the page, at most.
 
     Returns:
         The path of the page.
 
     Raises:
-        OptionError: another suffix, a run that is in no result, or a size in which not even one run fits.
-        ResultError: a selection without the dimension `run`.
-        StorageError: the page cannot be written, or a file is there that warpgran did not write.
+        OptionError: Another suffix, a run that is in no result, or a size in which not even one run fits.
+        ResultError: A selection without the dimension `run`.
+        StorageError: The page cannot be written, or a file is there that warpgran did not write.
     """
     path = checked(path, (".html",))
     named = {"": results} if isinstance(results, xr.Dataset) else dict(results)
