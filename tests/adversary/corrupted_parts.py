@@ -9,14 +9,23 @@ import random
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))  # for tests/helpers
 
-from helpers.attack import QUICK, SWEEP, Ended, asked, prepared, report, same, tried, warpgran
-
-from warpgran.run.outcome import Outcome, Progress, Sink
+from helpers.attack import (
+    QUICK,
+    SWEEP,
+    Ended,
+    asked,
+    half,
+    interrupted,
+    killed,
+    prepared,
+    report,
+    same,
+    warpgran,
+)
 
 TRIALS = 200
 
@@ -29,8 +38,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         whole = prepared(folder, QUICK + SWEEP, "--no-picture")
-        for suffix, count, after in ((".h5.part", trials, _killed), (".h5", trials // 4, _interrupted)):
-            sound = (_half(folder, after) / f"half{suffix}").read_bytes()
+        for suffix, count, after in ((".h5.part", trials, killed), (".h5", trials // 4, interrupted)):
+            sound = (half(folder, after) / f"half{suffix}").read_bytes()
             for trial in range(count):
                 here = folder / f"trial{trial}"
                 here.mkdir()
@@ -46,33 +55,6 @@ def main() -> None:
                 findings += [f"{suffix}, trial {trial}, {how}: {wrong}"] if wrong else []
                 shutil.rmtree(here)
     report("corrupted part files", ended, findings)
-
-
-def _killed(outcome: Outcome) -> Outcome:
-    sys.exit(0)
-
-
-def _interrupted(outcome: Outcome) -> Outcome:
-    outcome.interrupted = True
-    return outcome
-
-
-def _half(folder: Path, after: Callable[[Outcome], Outcome]) -> Path:
-    """A folder with a file of 8 of 12 runs."""
-
-    def work() -> None:
-        from warpgran.case.read_study import read_study
-        from warpgran.run import threads
-        from warpgran.run.options import Options
-        from warpgran.run.to_file import run_to_file
-
-        def compute(sink: Sink, options: Options, runs: Sequence[int], progress: Progress) -> Outcome:
-            return after(threads.compute(sink, options, runs[:8], progress))
-
-        run_to_file(read_study("case.toml"), Path("half.h5"), Options(), force=True, compute=compute)
-
-    assert tried(work, folder).code == 0
-    return folder
 
 
 def _corrupted(data: bytes, rng: random.Random) -> tuple[str, bytes]:

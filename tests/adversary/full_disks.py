@@ -8,9 +8,11 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
 sys.path.insert(0, str(Path(__file__).parent.parent))  # for tests/helpers
 
-from helpers.attack import QUICK, SWEEP, Ended, asked, prepared, report, same, warpgran
+from helpers.attack import QUICK, SWEEP, Ended, asked, half, killed, prepared, report, same, warpgran
 from helpers.small_disk import small_disk
 
 TRIALS = 20
@@ -26,12 +28,15 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         whole = prepared(folder, QUICK + SWEEP, "--no-picture")
-        for half in ("1/2", "2/2"):
-            shard = ("run", "case.toml", "--shard", half, "-o", f"{half[0]}.h5", "--no-picture")
+        for share in ("1/2", "2/2"):
+            shard = ("run", "case.toml", "--shard", share, "-o", f"{share[0]}.h5", "--no-picture")
             assert warpgran(*shard, folder=folder).code == 0
-        needed = 2.5 * (folder / "whole.h5").stat().st_size + 2**20
-        for trial in range(trials):
-            size = int(16_384 + (needed - 16_384) * trial / max(1, trials - 1))
+        part = (half(folder, killed) / "half.h5.part").stat().st_size
+        needed = part + 2.5 * (folder / "whole.h5").stat().st_size + 2**17
+        few = trials // 4  # are too small for the part file, the others end in what follows it
+        sizes = [*np.linspace(2**14, part, few, endpoint=False), *np.linspace(part, needed, trials - few)]
+        print(f"the part file has {part} bytes")
+        for trial, size in enumerate(map(int, sizes)):
             with small_disk(folder / "disk", size) as disk:
                 for words, end in _tries(disk, whole, PICTURES[trial % len(PICTURES)]):
                     ended.append(end)

@@ -21,6 +21,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from warpgran.run.outcome import Outcome, Progress, Sink
+
 LIMIT = 20.0
 """Seconds that no trial may take."""
 CODES = (0, 1, 2, 130)
@@ -146,6 +148,35 @@ def prepared(folder: Path, text: str, *options: str) -> dict[str, Any]:
     assert result.exit_code == 0, result.output
     with wg.open_dataset(out) as data:
         return {str(name): values.values for name, values in data.load().variables.items()}
+
+
+def killed(outcome: Outcome) -> Outcome:
+    """What becomes of a study at its half: the process ends, and leaves the part file."""
+    sys.exit(0)
+
+
+def interrupted(outcome: Outcome) -> Outcome:
+    """What becomes of a study at its half: Ctrl-C, and the file has what was computed."""
+    outcome.interrupted = True
+    return outcome
+
+
+def half(folder: Path, after: Callable[[Outcome], Outcome]) -> Path:
+    """A folder with a file of 8 of 12 runs."""
+
+    def work() -> None:
+        from warpgran.case.read_study import read_study
+        from warpgran.run import threads
+        from warpgran.run.options import Options
+        from warpgran.run.to_file import run_to_file
+
+        def compute(sink: Sink, options: Options, runs: Sequence[int], progress: Progress) -> Outcome:
+            return after(threads.compute(sink, options, runs[:8], progress))
+
+        run_to_file(read_study("case.toml"), Path("half.h5"), Options(), force=True, compute=compute)
+
+    assert tried(work, folder).code == 0
+    return folder
 
 
 def same(path: Path, whole: dict[str, Any]) -> bool:
