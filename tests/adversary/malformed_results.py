@@ -103,7 +103,7 @@ def _spoil(path: Path, rng: random.Random) -> str:
     with h5py.File(path, "r+") as file:
         names, attributes = sorted(file), sorted(file.attrs)
         name, attribute = rng.choice(names), rng.choice(attributes)
-        values: list[Any] = [np.zeros(3), "text", b"\xff\x00", 1e300, float("nan"), -1, np.zeros((2, 2))]
+        values: list[Any] = [np.zeros(3), "text", b"\xff\x01", 1e300, float("nan"), -1, np.zeros((2, 2))]
         values.append(h5py.Empty("f8"))
         value = values[rng.randrange(len(values))]
         shape, kind = file[name].shape, file[name].dtype

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,22 @@ def test_a_part_that_a_kill_has_left_is_no_batch(tmp_path: Path) -> None:
     (tmp_path / "runs" / f".{whole.stem}.0123.npz").write_bytes(whole.read_bytes()[:50])
     Batches(count, tmp_path / "runs", "a")(np.ones((2, 1)))
     assert count.points == 2
+
+
+@pytest.mark.parametrize("spoil", [lambda data: data[:200], lambda data: data[:300] + bytes(64) + data[364:]])
+def test_a_batch_that_a_disk_has_spoiled_is_computed_again(tmp_path: Path, spoil: Callable[[bytes], bytes]) -> None:
+    count = Counting()
+    theta = np.linspace(0.1, 0.9, 40).reshape(20, 2)
+    first = Batches(count, tmp_path / "runs", "a")(theta)
+    (kept,) = (tmp_path / "runs").glob("*.npz")
+    sound = kept.read_bytes()
+    kept.write_bytes(spoil(sound))
+    assert np.array_equal(Batches(count, tmp_path / "runs", "a")(theta), first)
+    assert count.points == 40
+    assert kept.read_bytes() == sound
+    (tmp_path / "runs" / "identity.txt").write_bytes(b"\xff")
+    Batches(count, tmp_path / "runs", "a")(theta)
+    assert count.points == 60
 
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path: Path) -> None:

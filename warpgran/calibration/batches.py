@@ -21,7 +21,7 @@ class Batches:
     """A function of points that remembers what it has computed, also from one process to the next."""
 
     def __init__(self, predict: Predict, folder: Path, identity: str) -> None:
-        """Keep what is in the folder if it is of the same identity, and remove it if not.
+        """Keep what is in the folder if it is of the same identity, and remove what is not, or is damaged.
 
         Args:
             predict: What computes a batch.
@@ -37,13 +37,18 @@ class Batches:
         folder.mkdir(parents=True, exist_ok=True)
         if not mark.exists() and any(folder.iterdir()):
             raise StorageError(f"cannot keep runs in {folder}: it holds files of something else; move them")
-        if mark.exists() and mark.read_text() != identity:
+        if mark.exists() and mark.read_bytes() != identity.encode():
             for path in folder.glob(BATCH):
                 path.unlink()
         mark.write_text(identity)
         for path in sorted(folder.glob(BATCH)):
-            with np.load(path) as kept:
-                self._learn(kept["theta"], kept["predictions"])
+            try:
+                with path.open("rb") as file, np.load(file) as kept:
+                    theta, predictions = kept["theta"], kept["predictions"]
+            except Exception:  # whatever NumPy and zipfile make of bytes that a disk has spoiled: computed again
+                path.unlink()
+            else:
+                self._learn(theta, predictions)
 
     def __call__(self, theta: Array) -> Array:
         """Predictions of a batch; what the folder does not hold of it is computed together and kept."""

@@ -317,10 +317,10 @@ def _load(path: Path, settings: dict[str, Any]) -> _State:
         OptionError: It is no checkpoint, or that of another sampling.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as kept:
+            arrays = {name: kept[name] for name in kept.files}
         words = json.loads(str(arrays.pop("words")))
-    except (OSError, ValueError, KeyError, EOFError):
+    except Exception:  # whatever NumPy and zipfile make of bytes that a disk has spoiled
         raise OptionError(f"{path}: is no checkpoint of the sampler; remove it to begin anew") from None
     other = [name for name, value in settings.items() if words["settings"].get(name) != value]
     if other:

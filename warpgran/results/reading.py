@@ -38,7 +38,10 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     path = Path(path)
     with reading(path):
         pass
-    data = xr.open_dataset(path, engine="h5netcdf")
+    try:
+        data = xr.open_dataset(path, engine="h5netcdf")
+    except Exception as error:  # whatever HDF5 makes of attributes that a disk has spoiled
+        raise StorageError(f"cannot read {path}: it is malformed ({' '.join(str(error).split())})") from error
     for values in data.variables.values():
         if values.size == 0:  # HDF5 cannot select some of no numbers
             values.load()
