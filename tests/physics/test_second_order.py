@@ -10,7 +10,16 @@ from helpers.cases import at_centres, drawn
 from helpers.second_order import CELLS, OPEN, PERIODIC, WALLS, held_heap
 
 from warpgran.case.case import Case
-from warpgran.physics.second_order import SecondOrder, bed_drop, drive, unknowns
+from warpgran.physics.second_order import (
+    SecondOrder,
+    at_interfaces,
+    bed_drop,
+    drive,
+    face_values,
+    interface_flux,
+    time_step,
+    unknowns,
+)
 from warpgran.physics.state import DRY
 
 
@@ -82,6 +91,17 @@ def test_any_option_runs_soundly(seed: int) -> None:  # and without a warning, w
         assert run.step() > 0.0
     assert run.steps == 100
     assert_bounds(run, max(case.column.phi, case.rheology.phi_stat))
+
+
+def test_no_more_than_half_of_the_mass_at_a_face_leaves_in_a_step_however_long() -> None:
+    case = rough(3)
+    cells = unknowns(SecondOrder(case).U, case)
+    dt = 4.0 * time_step(cells, case)
+    faces = at_interfaces(face_values(cells, case), case)
+    F0 = interface_flux(faces, drive(cells, bed_drop(case), dt, case), dt, case).F0
+    most_l, most_r = (0.5 * case.dx / dt * (q * s) for q, s in zip(faces.q, faces.s, strict=True))
+    assert (F0 <= most_l).all() and (F0 >= -most_r).all()
+    assert ((F0 == most_l) & (F0 > 0.0)).sum() > 2 and ((F0 == -most_r) & (F0 < 0.0)).sum() > 2
 
 
 def test_no_least_thickness() -> None:
