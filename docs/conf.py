@@ -50,7 +50,7 @@ for field in PyObject.doc_field_types:
         field.label = "Attributes"
 nitpick_ignore_regex = [
     # libraries that are described elsewhere: nothing is fetched from there when the site is made
-    (r"py:.*", r"(os|xr|xarray|np|numpy|pd|pandas|matplotlib|pathlib|typing|collections)\..*|Path|Client"),
+    (r"py:.*", r"(os|xr|xarray|np|numpy|pd|pandas|matplotlib|pathlib|typing|collections)\..*|Path|Client|Figure"),
     # what a calibration keeps for itself, and an animation of matplotlib's
     (r"py:.*", r"warpgran\.calibration\.stages\..*|(warpgran\.figures\.animation\.)?Film"),
     # aliases, whose values the docstrings say, and the types by which editors complete `Case.with_`
