@@ -42,8 +42,9 @@ def test_section_is_read_with_priors_experiments_and_overrides(tmp_path: Path) -
     assert (study.section.screening, study.section.starts) == (64, 2)
 
 
-def test_a_prior_can_be_overridden(tmp_path: Path) -> None:
-    path = written(tmp_path, GOOD.replace("rheology.mu1", '"rheology.mu1"'))
+@pytest.mark.parametrize("key", ["rheology.mu1", '"rheology.mu1"'])
+def test_a_prior_can_be_overridden(tmp_path: Path, key: str) -> None:
+    path = written(tmp_path, GOOD.replace("rheology.mu1", key))
     study = read_calibration(path, ["calibration.over.rheology.mu1={ low = 0.4, high = 0.5 }"])
     assert study.priors["rheology.mu1"].bounds == (0.4, 0.5)
 
@@ -86,6 +87,21 @@ def test_a_run_leaves_the_section_aside(tmp_path: Path) -> None:
             '[calibration.over]\n"rheology.mu1" = { low = 0.3, high = 0.6 }\n'
             '[[calibration.experiments]]\nfolder = "a"\nset = { "slope.angle" = 3.0, "column.fi" = 0.5 }\n',
             r"\[0\]\.folder: unknown key(.|\n)*slope\.angle: cannot be set(.|\n)*column\.fi: unknown key",
+        ),
+        (
+            "[calibration.over]\nrheology.mu1 = { low = 0.3, high = 0.6 }\n"
+            '"rheology.mu1" = { low = 0.3, high = 0.5 }\n',
+            r"calibration\.over\.rheology\.mu1: is given twice",
+        ),
+        (
+            "[calibration.over]\nrheology.mu1 = { low = 0.3, high = 0.6 }\n"
+            '[[calibration.experiments]]\nset = { column.phi = 0.55, "column.phi" = 0.6 }\n',
+            r"calibration\.experiments\[0\]\.set\.column\.phi: is given twice",
+        ),
+        (
+            "[calibration]\nscreening = 8\nchains = 4\n[calibration.over]\n"
+            '"rheology.mu1" = { low = 0.3, high = 0.6 }\n"rheology.K" = { low = 0.0, high = 8.0 }\n',
+            r"calibration\.screening: 8 is too few for 4 populations of 2 parameters; allowed: >= 16$",
         ),
         (
             '[calibration]\nexperiments = 3\n[calibration.over]\n"rheology.mu1" = { low = 0.3, high = 0.6 }\n',

@@ -14,7 +14,7 @@ from warpgran.case.case import Case
 from warpgran.case.distributions import FORMS, Distribution, read_over
 from warpgran.case.model import Model, declare
 from warpgran.case.problems import CaseError, Problem, problems_of, shown, unknown_key
-from warpgran.case.sweep_section import key_problem
+from warpgran.case.sweep_section import dotted_pairs, flatten, key_problem, twice
 from warpgran.case.toml import load, override
 
 NAME = "calibration"
@@ -36,7 +36,9 @@ class Calibration(Model):
     keys in which it differs. Within a folder every slope is an experiment of its own.
     """
     screening: StrictInt = declare(256, "screening", allowed="a power of 2 from 8 to 1048576", ge=8, le=2**20)
-    """Sobol points of the prior that are computed first."""
+    """Sobol points of the prior that are computed first; the populations begin with them, and need at least `chains` x
+    (parameters + 1).
+    """
     starts: StrictInt = declare(3, "starts", ge=1, le=100)
     """Best points of the screening from which a best fit is sought."""
     particles: StrictInt = declare(32, "particles", ge=8, le=100_000)
@@ -108,7 +110,9 @@ def read_calibration(path: str | os.PathLike[str], overrides: Sequence[str] = ()
     """
     where = os.fspath(path)
     _, data = load(where)
-    problems = [problem for text in overrides if (problem := override(data, text))]
+    problems = flatten(data, (NAME,))
+    problems += [problem for text in overrides if (problem := override(data, text))]
+    problems += flatten(data, (NAME,))  # again, for an override can set all of calibration.over
     section = data.get(NAME)
     base: Case | None = None
     try:
@@ -154,6 +158,14 @@ def calibration_of(base: Case, section: Any, problems: Sequence[Problem] = ()) -
         priors = read_over({} if over is None else over, f"{NAME}.over")
     except CaseError as error:
         problems += error.problems
+    least = read.chains * (len(priors) + 1)
+    if read.screening < least:
+        following = 1 << (least - 1).bit_length()
+        message = (
+            f"{read.screening} is too few for {read.chains} populations of {len(priors)} parameters; "
+            f"allowed: >= {following}"
+        )
+        problems.append(Problem(f"{NAME}.screening", message))
     problems += [
         Problem(f"{NAME}.over.{key}", f"cannot be fitted: {reason}") for key in priors if (reason := _unfit(key))
     ]
@@ -193,7 +205,9 @@ def _experiments(given: Any, priors: Mapping[str, Any], problems: list[Problem])
         if not isinstance(changes, Mapping):
             problems.append(Problem(f"{where}.set", f"{shown(changes)} is not a table of keys"))
             continue
-        flat = dict(_dotted(changes))
+        pairs = dotted_pairs(changes)
+        problems += twice(pairs, f"{where}.set")
+        flat = dict(pairs)
         for key in flat:
             problem, reason = key_problem(key), _unfit(key)
             if problem:
@@ -203,12 +217,6 @@ def _experiments(given: Any, priors: Mapping[str, Any], problems: list[Problem])
             elif key in priors:
                 problems.append(Problem(f"{where}.set.{key}", f"is fitted by {NAME}.over; take one of them out"))
         yield ExperimentKeys(str(data), flat)
-
-
-def _dotted(changes: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Pairs of dotted keys and values, also where TOML nests them."""
-    for key, value in changes.items():
-        yield from ((f"{key}.{k}", v) for k, v in value.items()) if isinstance(value, Mapping) else [(str(key), value)]
 
 
 def _check_cases(study: CalibrationStudy) -> None:

@@ -6,7 +6,7 @@ The section is checked here; `warpgran.case.sweep_values` makes the values that 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -106,19 +106,23 @@ class _Holder(Model):
     sweep: Sweep
 
 
-def flatten(data: dict[str, Any]) -> list[Problem]:
+def flatten(data: dict[str, Any], sections: Iterable[str] = VARYING) -> list[Problem]:
     """Turn what `[sweep.over]` and the like nest, as in `slope.angle = [1, 2]` without quotes, into dotted keys."""
     problems = []
-    for name in VARYING:
+    for name in sections:
         section = data.get(name)
         if not isinstance(section, dict) or not isinstance(section.get("over"), Mapping):
             continue
         pairs = dotted_pairs(section["over"])
         section["over"] = {key: _listed(value) for key, value in pairs}
-        names = [key for key, _ in pairs]
-        twice = dict.fromkeys(key for key in names if names.count(key) > 1)
-        problems += [Problem(f"{name}.over.{key}", "is given twice") for key in twice]
+        problems += twice(pairs, f"{name}.over")
     return problems
+
+
+def twice(pairs: Sequence[tuple[str, Any]], where: str) -> list[Problem]:
+    """A problem for each key that stands in the pairs more than once."""
+    names = [key for key, _ in pairs]
+    return [Problem(f"{where}.{key}", "is given twice") for key in dict.fromkeys(names) if names.count(key) > 1]
 
 
 def dotted_pairs(over: Mapping[str, Any]) -> list[tuple[str, Any]]:
