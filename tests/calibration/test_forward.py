@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -12,6 +13,7 @@ from warpgran.calibration.forward import Forward
 from warpgran.case.calibration_section import calibration_of
 from warpgran.case.case import Case
 from warpgran.case.problems import CaseError
+from warpgran.files import StorageError
 from warpgran.run.options import Options
 from warpgran.run.simulate import simulate
 
@@ -85,3 +87,15 @@ def test_kept_runs_are_not_computed_again(experiments: Experiments, tmp_path: Pa
     assert data.sizes["run"] == 4 and again.tally.runs == 0
     with pytest.raises(CaseError, match="mu2"):
         again.kept(THETA[1:2], tmp_path / "none.h5")
+
+
+def test_kept_runs_that_are_damaged_are_told(experiments: Experiments, tmp_path: Path) -> None:
+    path = tmp_path / "runs.h5"
+    Forward(experiments, NAMES, Options()).kept(THETA, path)
+    with h5py.File(path) as file:
+        chunk = file["h"].id.get_chunk_info(0)
+    data = bytearray(path.read_bytes())
+    data[chunk.byte_offset : chunk.byte_offset + chunk.size] = bytes(chunk.size)
+    path.write_bytes(data)
+    with pytest.raises(StorageError, match=r"cannot read .*runs\.h5: it is damaged"):
+        Forward(experiments, NAMES, Options()).kept(THETA, path)

@@ -212,6 +212,8 @@ def test_check_says_how_many_runs_a_design_has(folder: Path) -> None:
         (("a.h5", "--set", "slope.angle=3"), "--set: has no part with a result file"),
         (("a.h5", "--resume"), "--resume: has no part with a result file"),
         (("a.h5", "--shard", "1/2"), "--shard: has no part with a result file"),
+        (("a.h5", "--threads", "2"), "--threads: has no part with a result file"),
+        (("a.h5", "--precision", "float32"), "--precision: has no part with a result file"),
         (("a.h5", "--of", ","), "of: asks for nothing"),
         (("a.h5", "--of", "runout"), "did you mean run_out?"),
         (("a.h5", "--of", "front@0.17"), "the nearest are 0.15 and 0.2"),

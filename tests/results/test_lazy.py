@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -77,3 +78,10 @@ def test_runs_that_wait_are_nan_however_they_are_selected(files: dict[str, Path]
         assert np.isfinite(h.isel(run=[0, 1, 3])).all()
         assert np.isnan(data["run_out"].values).tolist() == [0, 0, 1, 0]
         assert np.isnan(data["front"][WAITING]).all()
+
+
+@pytest.mark.parametrize("name", ["out.h5.part", "out.h5"])
+def test_a_dataset_that_is_closed_lets_go_of_the_file(files: dict[str, Path], name: str) -> None:
+    with wg.open_dataset(files[name]) as data:
+        assert data.sizes["run"] == RUNS
+    h5py.File(files[name], "r+").close()  # which is refused to who holds it for reading

@@ -16,7 +16,7 @@ from warpgran.calibration.experiments import Experiments, Observed
 from warpgran.case.case import Case
 from warpgran.case.problems import CaseError
 from warpgran.case.study import Study
-from warpgran.results.reading import open_dataset
+from warpgran.results.reading import load_dataset
 from warpgran.run.options import Options
 from warpgran.run.simulate import simulate_quietly
 from warpgran.run.to_file import bring_up_to_date
@@ -145,7 +145,7 @@ class Forward:
         before = path.stat().st_mtime_ns if path.exists() else 0
         if not bring_up_to_date(study, path, self.options, progress=lambda done: progress(done, float(len(study)))):
             raise KeyboardInterrupt
-        data = open_dataset(path).load()
+        data = load_dataset(path)
         self.tally.add(data, path.stat().st_mtime_ns != before)
         found = self.predictions(data, valid)
         return found, data

@@ -64,14 +64,18 @@ def sensitivity(
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the indices.")] = True,
 ) -> None:
     """Say which parameters matter: compute the design of a run file, or read its result; indices, tables, pictures."""
-    from warpgran.results.reading import open_dataset
+    from warpgran.results.reading import opened
     from warpgran.sensitivity_analysis.indices import checked_of, indices
     from warpgran.sensitivity_analysis.table import write_dataset, write_table
 
     asked = None if of is None else checked_of(of)
     path = file
     if file.suffix.lower() in RESULTS:
-        computing = {"--set": set_, "--resume": resume, "--shard": shard, "--cluster": cluster, "--output": output}
+        computing = {
+            "--set": set_, "--resume": resume, "--force": force, "--shard": shard, "--cluster": cluster,
+            "--output": output, "--threads": threads, "--memory": memory, "--device": device != "cpu",
+            "--precision": precision != "float64", "--engine": engine != "warp",
+        }  # fmt: skip
         for name in (name for name, value in computing.items() if value):
             raise OptionError(f"{name}: has no part with a result file, which is read and not computed")
     else:
@@ -87,7 +91,8 @@ def sensitivity(
             file, study, output, how, resume=resume, force=force, shard=shard, cluster=cluster, pictures=ends
         )
         _report(path, outcome, shard)
-    found = indices(open_dataset(path), asked, drop_failed=drop_failed)
+    with opened(path) as data:
+        found = indices(data, asked, drop_failed=drop_failed)
     for line in found.attrs["notes"].splitlines():
         tell(line)
     if found.attrs.get("title"):
@@ -107,9 +112,10 @@ def sensitivity(
 def _report(path: Path, outcome: Outcome, shard: str | None) -> None:
     """Say what was computed; a shard and an interrupted study end the command here."""
     from warpgran.analysis.runs import status_words
-    from warpgran.results.reading import open_dataset
+    from warpgran.results.reading import opened
 
-    status = 130 if outcome.interrupted else exit_status(status_words(open_dataset(path)))
+    with opened(path) as data:
+        status = 130 if outcome.interrupted else exit_status(status_words(data))
     print_speed(outcome)
     if status == 130:
         tell("interrupted; go on with --resume")

@@ -14,7 +14,7 @@ from warpgran.analysis.selection import one_run
 from warpgran.case.read_study import read_study
 from warpgran.case.study import Study
 from warpgran.paper.settings import Setting
-from warpgran.results.reading import open_dataset
+from warpgran.results.reading import load_dataset
 from warpgran.run.options import Options
 from warpgran.run.to_file import bring_up_to_date
 from warpgran.schema import Status, is_key
@@ -81,7 +81,7 @@ class StoredResults:
         if not bring_up_to_date(study, path, self._options, progress=report):
             raise KeyboardInterrupt
         self._progress(name, len(study), len(study))
-        return open_dataset(path).load()
+        return load_dataset(path)
 
     def run(self, name: str, **where: float | str) -> xr.Dataset:
         """One run of a run file.

@@ -42,6 +42,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         data = xr.open_dataset(path, engine="h5netcdf")
     except Exception as error:  # whatever HDF5 makes of attributes that a disk has spoiled
         raise StorageError(f"cannot read {path}: it is malformed ({' '.join(str(error).split())})") from error
+    close = data.close  # which what is made of it below would forget
     for values in data.variables.values():
         if values.size == 0:  # HDF5 cannot select some of no numbers
             values.load()
@@ -54,6 +55,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
 
         of_runs = (name for name, values in data.items() if values.dims[:1] == ("run",) and values.dtype.kind == "f")
         data = data.assign({name: without(data[name].variable, waiting) for name in of_runs})
+    data.set_close(close)
     return data
 
 
@@ -66,6 +68,16 @@ def opened(path: Path) -> Iterator[xr.Dataset]:
     """
     with open_dataset(path) as data, unspoiled(path):
         yield data
+
+
+def load_dataset(path: Path) -> xr.Dataset:
+    """`open_dataset` with all numbers in memory, so that the file is closed again.
+
+    Raises:
+        StorageError: The file cannot be read, or some of its numbers.
+    """
+    with opened(path) as data:
+        return data.load()
 
 
 @contextmanager
