@@ -131,7 +131,9 @@ def _in_child(work: Callable[[], None], folder: Path, log: Path) -> None:
 
 def _run(arguments: Sequence[str]) -> None:
     from warpgran.cli.app import app
+    from warpgran.solve import engines
 
+    engines.KEEP_EVERY = 0.01  # so that a run of a moment has checkpoints
     app(list(arguments))
 
 

@@ -77,6 +77,11 @@ def of_another_dimension(file: h5py.File) -> None:
     file["run_out"].dims[0].attach_scale(file["time"])
 
 
+def with_checkpoints(file: h5py.File) -> None:
+    file["checks/rows"] = np.zeros(2, "u8")
+    file["checks/run"], file["checks/run_sums"] = np.zeros((2, 9)), np.zeros((1, 2), "u8")
+
+
 MALFORMED: dict[str, tuple[Callable[[h5py.File], None], str]] = {
     "no status": (without("status"), "status is missing"),
     "no field": (without("phi"), "phi is missing"),
@@ -88,6 +93,10 @@ MALFORMED: dict[str, tuple[Callable[[h5py.File], None], str]] = {
     "checksums in another place": (
         lambda file: file.create_group("checks").__setitem__("rows", h5py.ExternalLink("/dev/zero", "h")),
         "rows is a link to another place",
+    ),
+    "checkpoints without their checksums": (
+        with_checkpoints,
+        "checks/run and checks/run_sums are not of as many checkpoints",
     ),
     "checksums of other runs": (
         lambda file: file.create_dataset("checks/rows", data=np.zeros(3, "u8")),

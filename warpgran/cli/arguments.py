@@ -37,7 +37,7 @@ Memory = Annotated[
     str | None,
     typer.Option(metavar="SIZE", help="Memory of the runs computed at once, as 4GB; default: a quarter."),
 ]
-Resume = Annotated[bool, typer.Option("--resume", help="Compute only the runs that an earlier start left out.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with an earlier start: compute what it left out.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace what is there: another result, or an earlier start.")]
 Shard = Annotated[
     str | None, typer.Option(metavar="I/N", help="Compute the I-th of N shards; `warpgran merge` joins them.")

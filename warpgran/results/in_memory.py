@@ -23,6 +23,8 @@ class MemoryResults:
         arrays: The columns by name; NaN, and status pending, where a run is not computed yet.
     """
 
+    keeper = None  # nothing is left for a later session
+
     def __init__(self, layout: Layout) -> None:
         self.layout = layout
         n = layout.runs.size

@@ -7,7 +7,8 @@ status last; nothing else of the file is ever touched. Killed at any moment, it 
 
 What a disk or a copy has spoiled is found by checksums: one a run, in the group CHECKS with the time that has been
 spent, and one of everything that is not a run's, the seal behind the end. The finished file keeps those of the runs
-where some are still to be computed.
+where some are still to be computed. A run that is the only one of its file is kept there while it is under way, see
+kept_run.py.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from warpgran.arrays import Array
 from warpgran.files import StorageError, check_place, check_writable, replacing
 from warpgran.results.datasets import bytes_of_shared, describe, write_shared
 from warpgran.results.final_file import write_compressed
+from warpgran.results.kept_run import KeptRun, arrays_of
 from warpgran.results.layout import Layout, status_attributes
 from warpgran.results.reading import pending, reading
 from warpgran.results.reserving import reserving
@@ -70,6 +72,7 @@ class PartFile:
         status: Codes of schema.Status in the file, shape (runs,).
         before: Spent by earlier sessions.
         spoiled: Number of runs whose numbers were not what was written; they are pending again.
+        keeper: Of the run, where it is the only one, None for several.
     """
 
     def __init__(self, path: Path, layout: Layout, attributes: Mapping[str, Any] | None = None) -> None:
@@ -100,11 +103,18 @@ class PartFile:
     def _open(self) -> None:
         """Find the places of all arrays, and check what is there."""
         self._began, self._spent, self.spoiled = time.perf_counter(), Spent(), 0
+        self.keeper = KeptRun(self.layout, self._write) if self.layout.runs.size == 1 else None
         with reading(self.path) as file:
             self._offset = _places(file, self.layout)
             self.status: Array = file["status"][:]
             self.before = Spent(*file[SPENT][:].tolist())
             rows = file[ROWS][:]
+            if self.keeper:
+                self.keeper.read(file)
+                self.spoiled += self.keeper.spoiled
+                if kept := self.keeper.kept:  # a session that was killed told no more
+                    wall = max(self.before.wall_seconds, kept.numbers["seconds"])
+                    self.before = Spent(kept.cell_steps, kept.numbers["seconds"], wall)
         for place in np.flatnonzero(~pending(self.status)).tolist():
             self.check(place, rows[place])
 
@@ -113,6 +123,11 @@ class PartFile:
 
     def __exit__(self, *error: object) -> None:
         self.close()
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing of any run to go on with."""
+        return bool(pending(self.status).all()) and not (self.keeper and self.keeper.kept)
 
     def close(self) -> None:
         """Close the file and release its lock."""
@@ -127,14 +142,13 @@ class PartFile:
         """
         names = _in_order(self.layout)
         columns = [np.ascontiguousarray(rows[name], dtype=self.layout.columns[name].dtype) for name in names]
-        with _naming(self.path):
-            for n, place in enumerate(at):
-                row = [values[n : n + 1].tobytes() for values in columns]
-                for name, data in zip(names[:-1], row[:-1], strict=True):
-                    self._write(name, place, data)
-                self._write(ROWS, place, np.uint64(_row_sum(place, row)).tobytes())
-                self._write("status", place, row[-1])
-                self.status[place] = rows["status"][n]
+        for n, place in enumerate(at):
+            row = [values[n : n + 1].tobytes() for values in columns]
+            for name, data in zip(names[:-1], row[:-1], strict=True):
+                self._write(name, place, data)
+            self._write(ROWS, place, np.uint64(_row_sum(place, row)).tobytes())
+            self._write("status", place, row[-1])
+            self.status[place] = rows["status"][n]
 
     def check(self, place: int, checksum: int) -> None:
         """Make a run pending again whose numbers in the file are not those of this checksum."""
@@ -147,8 +161,7 @@ class PartFile:
         """Add to what the runs of this session have taken."""
         self._spent = self._spent.plus(Spent(cell_steps, kernel_seconds))
         wall = time.perf_counter() - self._began
-        with _naming(self.path):
-            self._write(SPENT, 0, np.array(self.before.plus(self._spent._replace(wall_seconds=wall))).tobytes())
+        self._write(SPENT, 0, np.array(self.before.plus(self._spent._replace(wall_seconds=wall))).tobytes())
 
     def finish(self, path: Path, attributes: Mapping[str, Any]) -> None:
         """Copy to the finished file, compressed and in chunks of a run, and remove this one.
@@ -168,14 +181,17 @@ class PartFile:
                 if pending(self.status).any():
                     reserve(source[ROWS].nbytes)
                     target[ROWS] = source[ROWS][:]
+                    if self.keeper and self.status[0] == Status.INTERRUPTED:
+                        self.keeper.give(source, target, reserve)
                 facts = {**attributes, **spent, "cell_steps": int(spent["cell_steps"])}
                 target.attrs.update({**source.attrs, **facts})
         self.path.unlink()
 
     def _write(self, name: str, place: int, data: bytes) -> None:
-        """Write the row of a run into its array."""
+        """Write an element of an array, such as the row of a run."""
         if data:
-            _write_all(self._fd, data, self._offset[name] + place * len(data))
+            with _naming(self.path):
+                _write_all(self._fd, data, self._offset[name] + place * len(data))
 
     def _sum_there(self, place: int) -> int:
         """The checksum of the run that is in the file."""
@@ -186,7 +202,10 @@ class PartFile:
 
 
 def copy_done(path: Path, part: PartFile) -> None:
-    """Copy those runs of a finished file that need not be computed again, and what they took; not what is damaged."""
+    """Copy those runs of a finished file that need not be computed again, and what they took; not what is damaged.
+
+    A single run that was interrupted is copied as it was kept.
+    """
     with reading(path) as file:
         status = file["status"][:]
         checksums = file[ROWS][:] if ROWS in file else None
@@ -199,6 +218,9 @@ def copy_done(path: Path, part: PartFile) -> None:
             part.put([place], rows)
             if checksums is not None:
                 part.check(place, checksums[place])
+        if part.keeper:
+            part.keeper.take(file)
+            part.spoiled += part.keeper.spoiled
         part.before = Spent(*(float(file.attrs[name]) for name in Spent._fields))
     part.spend(0, 0.0)
 
@@ -245,6 +267,8 @@ def _create(path: Path, layout: Layout, attributes: Mapping[str, Any]) -> None:
         file.create_group(CHECKS)
         _reserved(file, ROWS, (layout.runs.size,), np.dtype(np.uint64))
         _reserved(file, SPENT, (len(Spent._fields),), np.dtype(np.float64))[:] = Spent()
+        for name, (shape, dtype) in arrays_of(layout).items():
+            _reserved(file, name, shape, dtype)[:] = 0
         offset = _places(file, layout)
     seal(path, sorted((offset[name], offset[name] + size) for name, size in _sizes(layout).items() if size))
 
@@ -268,7 +292,8 @@ def _sizes(layout: Layout) -> dict[str, int]:
     """Bytes of every array that runs write into."""
     runs = layout.runs.size
     columns = {name: runs * c.dtype.itemsize * int(np.prod(c.shape)) for name, c in layout.columns.items()}
-    return columns | {ROWS: 8 * runs, SPENT: 8 * len(Spent._fields)}
+    kept = {name: dtype.itemsize * int(np.prod(shape)) for name, (shape, dtype) in arrays_of(layout).items()}
+    return columns | {ROWS: 8 * runs, SPENT: 8 * len(Spent._fields)} | kept
 
 
 def _places(file: h5py.File, layout: Layout) -> dict[str, int]:

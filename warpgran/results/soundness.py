@@ -96,7 +96,7 @@ def _elsewhere(group: h5py.Group, size: int) -> str:
 
 
 def _wrong_checks(file: h5py.File, size: int) -> str:
-    """What is wrong with the checksums of runs, which stand in files with runs to be computed alone."""
+    """What is wrong with the checksums of runs and a run kept, which stand in files with runs to be computed alone."""
     checks = file.get("checks")
     if checks is None:
         return ""
@@ -105,8 +105,17 @@ def _wrong_checks(file: h5py.File, size: int) -> str:
     if wrong := _elsewhere(checks, size):
         return wrong
     rows = checks.get("rows")
-    good = isinstance(rows, h5py.Dataset) and rows.dtype == np.uint64 and rows.shape == file["run"].shape
-    return "" if good else "checks/rows has not a number a run"
+    if not _has_form(rows, np.uint64) or rows.shape != file["run"].shape:
+        return "checks/rows has not a number a run"
+    kept, sums = checks.get("run"), checks.get("run_sums")
+    if kept is None and sums is None:
+        return ""
+    good = _has_form(kept, np.float64, 2) and _has_form(sums, np.uint64, 2) and sums.shape == (kept.shape[0], 2)
+    return "" if good else "checks/run and checks/run_sums are not of as many checkpoints"
+
+
+def _has_form(data: Any, dtype: type[np.generic], dimensions: int = 1) -> bool:
+    return isinstance(data, h5py.Dataset) and data.dtype == dtype and len(data.shape or ()) == dimensions
 
 
 def _wrong(file: h5py.File, name: str, variable: Variable) -> str:

@@ -12,6 +12,7 @@ from warpgran.arrays import Array
 from warpgran.case.case import Case
 from warpgran.results.layout import Layout
 from warpgran.run.options import DECISIVE, Options
+from warpgran.solve.checkpoint import Keeper
 from warpgran.solve.finished import Finished
 
 Progress = Callable[[float], None]
@@ -22,6 +23,10 @@ class Sink(Protocol):
     """Where results go: `results.in_memory.MemoryResults` or `results.part_file.PartFile`."""
 
     layout: Layout
+
+    @property
+    def keeper(self) -> Keeper | None:
+        """What keeps the run while it is under way, if it is the only one and the results are there to stay."""
 
     def put(self, at: Sequence[int], rows: Mapping[str, Array]) -> None:
         """Store rows of `Layout.rows` at these places of `layout.runs`."""
@@ -42,6 +47,8 @@ class Outcome:
         kernel_seconds: Time loops alone, averaged over the threads.
         wall_seconds: The whole computation.
         spoiled: Runs of an earlier start whose numbers were damaged in the file, so that they were computed again.
+        resumed_at, kept_at: Time of the checkpoint from which a single run went on, and of the last one that is kept of
+            it, s; None if there is none.
     """
 
     interrupted: bool = False
@@ -51,6 +58,8 @@ class Outcome:
     kernel_seconds: float = 0.0
     wall_seconds: float = 0.0
     spoiled: int = 0
+    resumed_at: float | None = None
+    kept_at: float | None = None
 
 
 class Compute(Protocol):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from warpgran.files import StorageError
+from warpgran.results.kept_run import kept_until
 from warpgran.results.layout import Layout
 from warpgran.results.reading import pending, reading
 from warpgran.run.options import DECISIVE
@@ -56,7 +57,9 @@ def check_replaceable(path: Path, part: Path, layout: Layout, facts: Mapping[str
         if differs is None:
             raise StorageError(f"cannot write {path}: {found} is there and is no result; --force replaces it")
         done, runs = done_of(found)
-        if differs and (done or found == path):
+        with reading(found) as file:
+            until = kept_until(file)
+        if differs and (done or until is not None or found == path):
             what = f"{found} is of another study, which differs in {', '.join(differs)}"
             raise StorageError(f"cannot write {path}: {what}; --force replaces it")
         if 0 < done < runs:
@@ -65,6 +68,11 @@ def check_replaceable(path: Path, part: Path, layout: Layout, facts: Mapping[str
             )
         if found == part and done:
             raise StorageError(f"{found} holds all {runs} runs of an earlier start: --resume finishes it")
+        if until is not None:
+            raise StorageError(
+                f"{found} holds the run of an earlier start until t = {until:.3g} s: --resume goes on from there, "
+                "--force begins anew"
+            )
 
 
 def done_of(path: Path) -> tuple[int, int]:

@@ -30,7 +30,8 @@ def compute(sink: Sink, options: Options, runs: Sequence[int], progress: Progres
     """Compute runs of a study and store each block of them as it ends; see `run.outcome.Compute`.
 
     Ctrl-C is seen at the next call of `go_on`, a fraction of a second later: runs under way are stored as far as they
-    are, with the status interrupted. A sink that fails ends the computation.
+    are, with the status interrupted. A run that is the only one of its result goes on from what the sink has kept of
+    it. A sink that fails ends the computation.
 
     Raises:
         OptionError: More or fewer threads than the devices allow.
@@ -42,13 +43,13 @@ def compute(sink: Sink, options: Options, runs: Sequence[int], progress: Progres
     end = layout.outputs.times[-1]
     blocks = _blocks(layout, options, runs)
     workers = _Workers(options, layout)
-    outcome = Outcome(threads=options.workers)
+    outcome = Outcome(threads=options.workers, resumed_at=_kept_at(sink))
     done: dict[int, float] = {}
     stop = threading.Event()
 
     def work(n: int) -> tuple[Sequence[int], list[Case], Finished]:
         numbers, block = blocks[n]
-        if stop.is_set():
+        if stop.is_set() and n > 0:  # the first goes on a little, so that what an earlier session kept is kept
             raise _StoppedError
         cases = [layout.study[run] for run in numbers]
 
@@ -57,7 +58,8 @@ def compute(sink: Sink, options: Options, runs: Sequence[int], progress: Progres
             return not stop.is_set()
 
         solver = workers.solver(block) if block else None
-        return numbers, cases, run_kernels(solver, cases, go_on) if solver else run_reference(cases, go_on)
+        finished = run_kernels(solver, cases, go_on, sink.keeper) if solver else run_reference(cases, go_on)
+        return numbers, cases, finished
 
     at_once = min(options.workers, max(1, len(blocks)))
     with interruptible() as interrupted, ThreadPoolExecutor(at_once) as pool:
@@ -79,8 +81,14 @@ def compute(sink: Sink, options: Options, runs: Sequence[int], progress: Progres
         finally:
             stop.set()
         outcome.interrupted = interrupted()
+    outcome.kept_at = _kept_at(sink)
     outcome.wall_seconds = time.perf_counter() - began
     return outcome
+
+
+def _kept_at(sink: Sink) -> float | None:
+    """Time of the checkpoint that a sink has of its only run [s], None if it has none."""
+    return sink.keeper.kept.numbers["t"] if sink.keeper and sink.keeper.kept else None
 
 
 def _blocks(layout: Layout, options: Options, runs: Sequence[int]) -> list[tuple[Sequence[int], Block | None]]:

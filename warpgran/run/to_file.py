@@ -61,7 +61,7 @@ def run_to_file(
             missing = layout.runs[pending(part.status)].tolist()
             outcome = compute(part, options, missing, progress)
         except BaseException:
-            if pending(part.status).all():
+            if part.is_empty:
                 part.path.unlink()
             raise
         outcome.spoiled = part.spoiled

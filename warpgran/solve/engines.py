@@ -15,6 +15,7 @@ from warpgran.case.case import Case
 from warpgran.physics.reference import reference
 from warpgran.physics.state import Run
 from warpgran.schema import Status
+from warpgran.solve.checkpoint import Keeper
 from warpgran.solve.finished import SCALARS, Failure, Finished, fault
 from warpgran.solve.schedule import Outputs
 
@@ -23,22 +24,40 @@ if TYPE_CHECKING:
 
 GoOn = Callable[[float], bool]
 """Called now and then with the mean time reached [s]; False interrupts the runs."""
+KEEP_EVERY = 60.0
+"""Seconds between two checkpoints of a run."""
+MOST_KEEPING = 0.02
+"""Largest share of its time that a run spends on them, or they are farther apart."""
 
 
-def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
+def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn, keeper: Keeper | None = None) -> Finished:
     """Compute cases, with their start on finer cells, in a solver of their variant and of sufficient capacity.
 
     Whether a run has diverged is judged at output times alone, so that it does not depend on how the steps between
     are grouped; the step where it happened is then searched for.
+
+    Args:
+        solver: Of their variant.
+        cases: No more than its capacity.
+        go_on: See GoOn.
+        keeper: Of a single case: it goes on from what is kept. The run proper is kept now and then, and where it is
+            interrupted; its start on finer cells is not.
     """
     from warpgran.solve.start import solvers
 
     n, state, seconds, interrupted = len(cases), solver.state, 0.0, False
-    with closing(solvers(solver, cases)) as each:
+    kept = keeper.kept if keeper else None
+    before = kept.numbers["seconds"] if kept else 0.0
+    with closing(solvers(solver, cases, kept)) as each:
         for running in each:
             began = time.perf_counter()
+            keep_at = began + KEEP_EVERY
             while not interrupted and not running.replay():
                 interrupted = not go_on(float(state.t.numpy()[:n].mean()))
+                now = time.perf_counter()
+                if keeper and running is solver and (interrupted or now > keep_at):
+                    keeper.keep(state.checkpoint(before + seconds + now - began))
+                    keep_at = now + max(KEEP_EVERY, (time.perf_counter() - now) / MOST_KEEPING)
             seconds += time.perf_counter() - began
             if interrupted:
                 break
@@ -51,7 +70,7 @@ def run_kernels(solver: Solver, cases: Sequence[Case], go_on: GoOn) -> Finished:
     steps, end_time = state.steps.numpy()[:n].copy(), state.t.numpy()[:n].copy()
     for r, failure in failures.items():
         steps[r], end_time[r] = failure.step - 1, failure.time
-    cell_steps = steps * np.array(state.cells[:n]) + state.start_surplus[:n]
+    cell_steps = steps * np.array(state.cells[:n]) + state.start_surplus[:n] - (kept.cell_steps if kept else 0)
     profiles = tuple(field[:n] for field in state.recorded_profiles())
     return Finished(state.recorded_scalars()[:n], profiles, status, steps, end_time, cell_steps, failures, seconds)
 

@@ -42,9 +42,9 @@ class Finished:
         scalars: Those of physics.state.SCALARS, shape (runs, samples, scalars).
         profiles: h [m], v [m/s], phi of the snapshots, each (runs, snapshots, cells or more).
         status, steps, end_time: Per run; codes of schema.Status, -, s.
-        cell_steps: Per run, sum over its steps of the cells that each was taken on.
+        cell_steps: Per run, sum over its steps of the cells that each was taken on; those of this session.
         failures: By run, those that have diverged.
-        seconds: Wall time of the time loop alone.
+        seconds: Wall time of the time loop alone, in this session.
     """
 
     scalars: Array

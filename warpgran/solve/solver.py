@@ -12,6 +12,7 @@ from warpgran.case.case import Case
 from warpgran.kernels.build import build
 from warpgran.kernels.precision import Variant
 from warpgran.kernels.stages import Over, Stage
+from warpgran.solve.checkpoint import Checkpoint
 from warpgran.solve.device import free_memory_of
 from warpgran.solve.schedule import Outputs
 from warpgran.solve.state import State, bytes_of_run, padded_cells
@@ -100,11 +101,12 @@ class Solver:
         solver.load(cases)
         return solver
 
-    def load(self, cases: Sequence[Case]) -> None:
-        """Replace the runs by others of the same variant, no more than the capacity."""
+    def load(self, cases: Sequence[Case], checkpoint: Checkpoint | None = None) -> None:
+        """Replace the runs by others of the same variant, no more than the capacity, or by one at its checkpoint."""
         with calls:
-            self.state.load(cases)
-            self.launch(self.stages.load)
+            self.state.load(cases, checkpoint)
+            if checkpoint is None:  # which has what a first step needs
+                self.launch(self.stages.load)
 
     def finer(self, level: int, runs: int) -> Solver:
         """The solver, kept for the next time, of some runs at a time on 2^level times the cells, see solve/start.py."""

@@ -21,17 +21,23 @@ from warpgran.kernels.build import build_means
 from warpgran.kernels.clock import OK, STEP_LIMIT
 from warpgran.kernels.precision import BLOCK
 from warpgran.physics.second_order import end_of_level
+from warpgran.solve.checkpoint import Checkpoint
 from warpgran.solve.solver import Solver, calls
 from warpgran.solve.state import padded_cells
 
 
-def solvers(solver: Solver, cases: Sequence[Case]) -> Generator[Solver, None, None]:
+def solvers(
+    solver: Solver, cases: Sequence[Case], checkpoint: Checkpoint | None = None
+) -> Generator[Solver, None, None]:
     """Load cases, and hand out what computes them: each is to be replayed until it returns True.
 
-    The last is the solver itself, whose state has the time, the steps and the output of all levels. A caller may leave
-    at any time.
+    The last is the solver itself, whose state has the time, the steps and the output of all levels; with a checkpoint
+    of a single case, which is one of the run proper, it is the only one. A caller may leave at any time.
     """
-    solver.load(cases)
+    solver.load(cases, checkpoint)
+    if checkpoint is not None:
+        yield solver
+        return
     waves = [wave_speed(case.refined(case.scheme.start_levels)) for case in cases]
     levels = [case.scheme.start_levels if wave > 0.0 else 0 for case, wave in zip(cases, waves, strict=True)]
     started = np.flatnonzero(levels)

@@ -19,7 +19,11 @@ from warpgran.kernels.clock import OK
 from warpgran.kernels.precision import BLOCK, MARGIN, Variant, precision
 from warpgran.kernels.record import SCALARS
 from warpgran.physics.second_order import bed_drop
+from warpgran.solve.checkpoint import PER_RUN, Checkpoint
 from warpgran.solve.schedule import Outputs
+
+CONSERVED = ("U0", "U1", "U2")
+"""Names of the arrays of the conserved state."""
 
 
 def padded_cells(cells: int) -> int:
@@ -92,14 +96,19 @@ class State:
     @property
     def U(self) -> tuple[Any, Any, Any]:
         """The conserved state, three flat arrays: phi h [m], phi h v [m2/s], phi^alpha h [m]."""
-        return self.arrays["U0"], self.arrays["U1"], self.arrays["U2"]
+        U0, U1, U2 = (self.arrays[name] for name in CONSERVED)
+        return U0, U1, U2
 
     def row(self, r: int) -> int:
         """Element of cell 0 of run r."""
         return MARGIN + r * self.pitch
 
-    def load(self, cases: Sequence[Case]) -> None:
-        """Put runs at their initial state, no more than the capacity; the rest of it is idle."""
+    def load(self, cases: Sequence[Case], checkpoint: Checkpoint | None = None) -> None:
+        """Put runs at their initial state, no more than the capacity; the rest of it is idle.
+
+        With a checkpoint there is one run, which is put where it was taken. All that a step reads and a checkpoint has
+        not is decoded from U at its beginning; the window may be narrower than it was then, which changes no bit.
+        """
         idle = self.runs - len(cases)
         self.cells = [case.grid.cells for case in cases] + [0] * idle
         self.start_surplus[:] = 0
@@ -111,7 +120,8 @@ class State:
             row, padded = self.row(r), padded_cells(case.grid.cells)
             # Cells outside the window are read by their neighbours within: they must look dry.
             phi[row - MARGIN : row + self.padded] = case.rheology.phi_stat
-            for name, each in _initial(case).items():
+            moved = {} if checkpoint is None else dict(zip(CONSERVED, checkpoint.U, strict=True))
+            for name, each in {**_initial(case), **moved}.items():
                 if name in self.arrays:
                     values.setdefault(name, np.zeros(self.size))[row : row + each.size] = each
             limited = case.scheme.window and not case.scheme.periodic
@@ -139,6 +149,28 @@ class State:
         self.scalars.fill_(np.nan)
         for array in (self.h_out, self.v_out, self.phi_out):
             array.fill_(np.nan)
+        if checkpoint is not None:
+            self._restore(checkpoint)
+
+    def checkpoint(self, seconds: float) -> Checkpoint:
+        """Run 0, between two steps, after so many seconds of the time loop."""
+        numbers = {name: float(getattr(self, name).numpy()[0]) for name in PER_RUN}
+        return Checkpoint(
+            np.stack([self.of_run(array, 0) for array in self.U], dtype=np.float64),
+            self.recorded_scalars()[0],
+            np.stack([profile[0, :, : self.cells[0]] for profile in self.recorded_profiles()], dtype=np.float64),
+            {**numbers, "start_surplus": float(self.start_surplus[0]), "seconds": seconds},
+        )
+
+    def _restore(self, checkpoint: Checkpoint) -> None:
+        """Set what run 0 has recorded, and its numbers."""
+        self.scalars[: checkpoint.scalars.size].assign(checkpoint.scalars.ravel())
+        for array, profile in zip((self.h_out, self.v_out, self.phi_out), checkpoint.profiles, strict=True):
+            for k, values in enumerate(profile):
+                array[k * self.padded : k * self.padded + values.size].assign(values)
+        self.start_surplus[0] = checkpoint.numbers["start_surplus"]
+        for name in PER_RUN:
+            getattr(self, name)[:1].assign(np.array([checkpoint.numbers[name]]))
 
     def of_run(self, array: Any, r: int) -> Array:
         """The cells of run r, from a flat array; a copy."""
@@ -157,8 +189,8 @@ class State:
 def _initial(case: Case) -> dict[str, Array]:
     """Arrays that a run starts from, of its cells or interfaces; a scheme takes those that it has."""
     h, phi = case.initial_state()
-    U = {"U0": phi * h, "U1": phi * h * case.initial_velocity(), "U2": phi**case.scheme.alpha * h}
-    return {**U, "bhat": case.bhat, "dbhat": case.dbhat, "drop": bed_drop(case)}
+    U = phi * h, phi * h * case.initial_velocity(), phi**case.scheme.alpha * h
+    return {**dict(zip(CONSERVED, U, strict=True)), "bhat": case.bhat, "dbhat": case.dbhat, "drop": bed_drop(case)}
 
 
 def _window(U0: Array, padded: int, empty: int) -> tuple[int, int]:
