@@ -171,7 +171,7 @@ def test_the_reference_begins_anew(path: Path) -> None:
 def test_it_is_not_begun_anew_unasked(path: Path) -> None:
     run = study()
     t = kill(run, path, 2)[-1].numbers["t"]
-    words = rf"out\.h5\.part holds the run of an earlier start until t = {t:.3g} s: --resume .*, --force begins anew"
+    words = rf"out\.h5\.part holds the run of an earlier start until t = {t:.4g} s: --resume .*, --force begins anew"
     with pytest.raises(StorageError, match=words):
         run_to_file(run, path, Options())
     with pytest.raises(StorageError, match=r"out\.h5\.part is of another study"):

@@ -30,7 +30,7 @@ def report(study: Study, data: RunColumns, outcome: Outcome) -> None:
         were = "1 run was" if outcome.spoiled == 1 else f"{outcome.spoiled} runs were"
         tell(f"{were} damaged in the file of the earlier start, and computed again")
     if outcome.resumed_at is not None:
-        tell(f"the run went on from t = {outcome.resumed_at:.3g} s, where the earlier start had kept it")
+        tell(f"the run went on from t = {outcome.resumed_at:.4g} s, where the earlier start had kept it")
     print_caveats(data)
     if study.base.title:
         say(study.base.title)
@@ -42,7 +42,7 @@ def report(study: Study, data: RunColumns, outcome: Outcome) -> None:
         elif data.run.size > 1:
             what = "go on with --resume"
         elif outcome.kept_at is not None:
-            what = f"the run is kept as of t = {outcome.kept_at:.3g} s: go on with --resume"
+            what = f"the run is kept as of t = {outcome.kept_at:.4g} s: go on with --resume"
         else:
             what = "what it had is in the file, not enough to go on with: a next start begins anew"
         tell(f"interrupted; {what}")

@@ -70,7 +70,7 @@ def check_replaceable(path: Path, part: Path, layout: Layout, facts: Mapping[str
             raise StorageError(f"{found} holds all {runs} runs of an earlier start: --resume finishes it")
         if until is not None:
             raise StorageError(
-                f"{found} holds the run of an earlier start until t = {until:.3g} s: --resume goes on from there, "
+                f"{found} holds the run of an earlier start until t = {until:.4g} s: --resume goes on from there, "
                 "--force begins anew"
             )
 
