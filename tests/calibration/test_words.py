@@ -69,6 +69,16 @@ def test_combinations_are_told_in_steps_of_the_parameters() -> None:
 
 
 @pytest.mark.parametrize(
+    ("reached", "told"), [([3.0], 0), ([3.0, 3.0, 3.0], 0), ([3.0, 2.0, -9.0], 0), ([3.0, 0.5, 0.5], 1)]
+)
+def test_starts_that_lead_elsewhere_are_told(reached: list[float], told: int) -> None:
+    ends = np.column_stack([np.zeros((len(reached), 2)), reached])
+    fit = SimpleNamespace(names=NAMES, ends=ends, combinations=list)
+    lines = [*words.of_fit(stages(fit=fit, error_model=SimpleNamespace(kinds={})))]
+    assert [line.startswith("of 3 starts one has led to the best fit") for line in lines] == [True] * told
+
+
+@pytest.mark.parametrize(
     ("shares", "message"),
     [
         (lambda u: 0.955 + 0.03 * u, "rheology.K: leans on the high edge of its prior (100% of the posterior lies"),

@@ -91,8 +91,8 @@ def of_fit(stages: Stages) -> Iterator[str]:
             how = "not determined by the data" if is_open else "least determined" if k else "best determined"
             moves = _combination(fit.names, vector * fit.units, vector)
             yield f"{how}: {moves} ({ratio:.0%} of the width of the prior is left)"
-    ends = fit.ends[:, -1]
-    if len(ends) > 1 and ends.max() - ends[ends < ends.max()].max(initial=-np.inf) > 2.0:
+    ends = np.sort(fit.ends[:, -1])
+    if len(ends) > 1 and ends[-1] - ends[-2] > 2.0:
         yield f"of {len(ends)} starts one has led to the best fit: there are several valleys, or too few starts"
     for kind, errors in stages.error_model.kinds.items():
         grid = stages.grid_error[stages.error_model.places(kind)]
