@@ -58,7 +58,7 @@ def make(kinds: Precision, empty: int, module: Any) -> Clock:
 
     @wp.func
     def widen(U0: A, lo: Ints, hi: Ints, run: int, p: RunParams):
-        """Keep the window as wide as mass can move in a step: the cells at its ends are empty."""
+        """Widen the window before mass can leave it: as many cells as a step can cross must be empty at its ends."""
         if lo[run] > 0 and occupied(U0, p.row + lo[run]):
             lo[run] = lo[run] - _BLOCK
         if hi[run] < p.longest and occupied(U0, p.row + hi[run] - empty):

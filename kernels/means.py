@@ -20,11 +20,11 @@ def make(kinds: Precision, module: Any) -> Any:
     @wp.func
     def mean(fine: A, first: int, levels: int) -> Real:
         """Mean of 2^levels elements, as that of pairs of pairs: the order of the sum is that of one level at a time."""
-        left = Halves()  # by size, means of a left half that wait for those of the right one
+        left = Halves()  # by their size, the means of left halves that wait for their right ones
         x = Real(0.0)
         for k in range(1 << levels):
             x = fine[first + k]
-            ends = int(k)  # in as many halves as it has ones at its end, which are then complete
+            ends = int(k)  # k in binary ends in as many ones as there are halves that its element completes
             size = int(0)
             while ends % 2 == 1:
                 x = half * (left[size] + x)
@@ -42,9 +42,10 @@ def make(kinds: Precision, module: Any) -> Any:
         # outputs
         U0: A, U1: A, U2: A,
     ):  # fmt: skip
-        """Set the cells of the coarser state's run to[run] to means over 2^levels cells of run; of none where to < 0.
+        """Set each cell of run to[run] of the coarser state to the mean of 2^levels cells of the finer state's run.
 
-        What is to be recorded must be sound in every finer cell: a mean of other values is NaN.
+        Runs with to < 0 are skipped. What is to be recorded must be sound in every finer cell: where one is not, the
+        mean is NaN.
         """
         run, cell = wp.tid()
         target = to[run]

@@ -1,8 +1,8 @@
 """The two ends of the grid: ghost cells, one thread a run.
 
 A wall mirrors the cell at the end. An open end copies it, or mirrors it where it flows into the grid, so that nothing
-flows in. Periodic ends: ../ghosts.py. There the state U of the right
-ghost cell is computed with the others and means nothing: what is read of it is wrapped first.
+flows in. Periodic ends are in ../ghosts.py; with them the state U of the right ghost cell is computed with the others
+but means nothing: whoever reads it wraps it first.
 """
 
 from typing import Any, NamedTuple

@@ -136,7 +136,7 @@ def make(variant: Variant, laws: Laws, module: Any) -> FirstFlux:
         # outputs
         F0: A, F1_l: A, F1_r: A, F2: A,
     ):  # fmt: skip
-        """FirstFlux through each interface, its momentum as the cells on the left and on the right see it."""
+        """Flux through each interface, its momentum as the cells on the left and on the right see it."""
         thread = wp.tid()
         run = run_of(thread, chunks)
         p = params[run]

@@ -1,4 +1,4 @@
-"""FirstRheology of a state in order 1: from U to h, phi and friction, and the relaxation of phi.
+"""Rheology of a state in order 1: from U to h, phi and friction, and the relaxation of phi.
 
 Each function comes twice: plainly, and with all that it divides by in a single division, see kernels/laws.py.
 """

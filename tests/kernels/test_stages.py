@@ -53,7 +53,7 @@ def rough_case(**changes: Any) -> Case:
 
 
 def expected_stages(case: Case, steps: int) -> dict[str, np.ndarray]:
-    """What every array of a step holds after step number `steps` of the first_order."""
+    """What every array of a step holds after step number `steps` of the reference."""
     run = first_order.FirstOrder(case)
     for _ in range(steps - 1):
         run.step()

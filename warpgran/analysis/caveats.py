@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 LOST = 1e-3
 """Share of the solid whose loss through the ends makes a run-out a lower bound."""
 LATE = 0.1
-"""Share of the time in which the growth of a run-out is told."""
+"""The last share of the run's time, over which the growth of a run-out that is not final is given."""
 NAMED = 3
 """Most runs of a batch that a line names; the table and the file mark all of them."""
 LISTED = 20

@@ -49,7 +49,7 @@ def dilatancy_angle(of: Profiles) -> Any:
 
 
 def _effective_thickness(of: Profiles) -> Any:
-    """h_e = max(h, h_min) [m]: the shear rate has no meaning below one grain."""
+    """h_e = max(h, h_min) [m]: in a layer of a few grains, thinner than h_min, the shear rate has no meaning."""
     return np.maximum(of.h, of.parameter("scheme.h_min"))
 
 

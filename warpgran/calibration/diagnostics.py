@@ -1,4 +1,4 @@
-"""Have the populations found the same, and how much do their draws say: Vehtari et al. (2021), Bayesian Analysis 16.
+"""Convergence of a posterior: R-hat and effective sample sizes by Vehtari et al. (2021), Bayesian Analysis 16.
 
 scipy has neither; ArviZ, which has both, would bring a stack of packages for two formulas. The tests compare with it.
 """

@@ -83,8 +83,6 @@ for command in (
 
 def main() -> None:
     """Entry point of the `warpgran` command."""
-    gc.set_threshold(
-        100_000
-    )  # new objects; what modules make is no garbage, and looking for some takes a tenth of a run
+    gc.set_threshold(100_000)  # what imports make is no garbage, and looking for some takes a tenth of a run
     atexit.register(gc.freeze)  # or Python's last act is to look for garbage in all modules, which takes 0.2 s
     app()

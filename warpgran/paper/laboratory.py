@@ -39,24 +39,24 @@ class Laboratory:
         if rows:
             ax.plot(rows["x"], 100 * rows["h"], label="laboratory", **MARKS)
 
-    def front(self, ax: Axes, angle: float, label: bool = True) -> None:
+    def front(self, ax: Axes, angle: float) -> None:
         """Draw the position of the front [m] against time."""
         rows = self._rows("front", angle)
         if rows:
-            ax.plot(rows["t"], rows["x"], label="laboratory" if label else None, **MARKS)
+            ax.plot(rows["t"], rows["x"], label="laboratory", **MARKS)
 
-    def front_speed(self, ax: Axes, angle: float, label: bool = True) -> None:
+    def front_speed(self, ax: Axes, angle: float) -> None:
         """Draw the speed of the front [m/s]: second-order differences of its positions."""
         rows = self._rows("front", angle)
         if rows and rows["t"].size > 2:
             speed = np.gradient(rows["x"], rows["t"])
-            ax.plot(rows["t"], speed, label="laboratory" if label else None, **MARKS)
+            ax.plot(rows["t"], speed, label="laboratory", **MARKS)
 
-    def volume(self, ax: Axes, angle: float, label: bool = True) -> None:
+    def volume(self, ax: Axes, angle: float) -> None:
         """Draw the change of the volume [%] against time."""
         rows = self._rows("volume", angle)
         if rows:
-            ax.plot(rows["t"], 100 * rows["change"], label="laboratory" if label else None, **MARKS)
+            ax.plot(rows["t"], 100 * rows["change"], label="laboratory", **MARKS)
 
     def _rows(self, name: str, angle: float, t: float | None = None) -> dict[str, Array]:
         """Rows of one slope, and of one instant, in their order; nothing if there are none."""

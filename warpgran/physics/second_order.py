@@ -123,7 +123,7 @@ def time_step(cells: Cells, case: Case) -> float:
     return float(case.scheme.cfl * case.dx / speed) if speed > 0.0 else np.inf
 
 
-def inertial_number(shear: Array, phi: Array, load: Array, case: Case) -> Array:
+def inertial_number(shear: Array, load: Array, case: Case) -> Array:
     """Inertial number I [-] (2.10), (2.11); 0 where there is no load.
 
     shear: phi h_e gamma = 2.5 phi |v| [m/s] (2.15); load: phi h_e = max(phi h, phi h_min) [m].
@@ -146,7 +146,7 @@ def relax(U: Array, tau: float, case: Case) -> Array:
     def equilibrium_and_rate(f: Array) -> tuple[Array, Array]:
         """phi_eq and tau gamma K phi, both at the volume fraction f."""
         load = np.maximum(m, f * case.h_min)
-        return phi_equilibrium(inertial_number(w * f, f, load, case), case), tau * K * w * f**2 / load
+        return phi_equilibrium(inertial_number(w * f, load, case), case), tau * K * w * f**2 / load
 
     phi_eq, y = equilibrium_and_rate(phi)
     half = phi_eq + (phi - phi_eq) / (1.0 + 0.5 * y)
@@ -161,7 +161,7 @@ def friction(cells: Cells, case: Case) -> Array:
     r = case.rheology
     q, s, v = cells.q, cells.s, cells.v
     phi = s**2
-    I = inertial_number(2.5 * np.abs(v) * phi, phi, np.maximum(q * s, phi * case.h_min), case)
+    I = inertial_number(2.5 * np.abs(v) * phi, np.maximum(q * s, phi * case.h_min), case)
     tan_psi = r.K * (phi - phi_equilibrium(I, case))  # (2.8)
     return effective_friction(mu_of_I(I, r.mu1, r.mu2, r.I0), tan_psi, r.mu_wall * (q / s) / r.channel_width)
 
