@@ -334,5 +334,10 @@ def test_the_exponential_relaxation_has_a_longest_step(law: dict[str, Any], most
     Case().with_(**{**at_limit, "grid.cells": 183, "scheme.relaxation": "rational"})
 
 
+def test_the_exponential_relaxation_of_order_2_is_refused_for_one_reason() -> None:
+    found = refused(**{"scheme.relaxation": "exponential", "rheology.phi_eq": "f0", "rheology.K": 20.0})
+    assert found == {"scheme.relaxation": "has no part in the scheme of order 2; take it out, or set scheme.order = 1"}
+
+
 def test_the_exponential_relaxation_is_free_where_phi_eq_does_not_vanish() -> None:
     Case().with_(**EXPONENTIAL, **{"grid.cells": 20, "rheology.phi_eq_N": 2.0})

@@ -89,6 +89,11 @@ def test_labels_say_what_differs_and_what_holds_with_a_reserve() -> None:
     assert labels(wg.plot(collapse(), changed(title='"Other"'))) == ["Dense column, 22 degrees", "Other"]
 
 
+def test_runs_that_nothing_tells_apart_are_numbered() -> None:
+    found = labels(wg.plot(collapse(), collapse(runs=2)))
+    assert found == ["result 0", "result 1, run 0", "result 1, run 1"]
+
+
 def test_runs_of_a_batch_are_drawn_all_or_one_of_each() -> None:
     assert len(labels(wg.plot(collapse(), two_runs()))) == 3
     assert len(labels(wg.plot(two_runs(), two_runs(), run=1))) == 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import h5py
 import pytest
@@ -14,6 +15,7 @@ from warpgran.files import StorageError
 from warpgran.results.layout import Layout
 from warpgran.results.merging import merge
 from warpgran.results.part_file import PartFile
+from warpgran.run import threads
 from warpgran.run.options import Options
 from warpgran.run.outcome import Outcome, attributes
 from warpgran.run.to_file import run_to_file
@@ -42,6 +44,20 @@ def test_what_shards_took_is_added_and_the_history_says_so(shards: list[Path], t
     assert merged.endswith("merged from 2 files by warpgran merge")
     assert whole["run"].values.tolist() == [0, 1, 2]
     assert whole["rheology.phi_eq"].values.tolist() == ["f0", "f1", "f2"]
+
+
+def test_a_run_that_was_not_computed_is_no_loss(tmp_path: Path) -> None:
+    """A file of the study in which some runs are only begun is replaced by one that has all the others."""
+
+    def interrupted(sink: Any, options: Options, runs: Any, progress: Any) -> Outcome:
+        outcome = threads.compute(sink, options, runs[:2], progress)
+        outcome.interrupted = True
+        return outcome
+
+    out, shard = tmp_path / "all.h5", tmp_path / "a.h5"
+    run_to_file(study(), out, Options(), compute=interrupted)
+    run_to_file(study(), shard, Options(), runs=[0, 1])
+    assert merge([shard], out) == (2, [2])
 
 
 def test_a_merged_file_is_described_as_that_of_the_whole_study(shards: list[Path], tmp_path: Path) -> None:

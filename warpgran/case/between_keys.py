@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from warpgran.case.defaults import default
 from warpgran.case.problems import Problem
 from warpgran.case.sections import KEYS, Column, Every, Grid, Rheology, Scheme, Slope, Time
 from warpgran.case.tables import ProfileTable, Table
@@ -141,11 +142,14 @@ def _layer_problems(column: Column, scheme: Scheme) -> Iterator[Problem]:
 
 def _relaxation_problems(rheology: Rheology, grid: Grid, scheme: Scheme) -> Iterator[Problem]:
     """The exponential relaxation lets phi fall to nothing in a step where phi_eq vanishes in fast flow."""
+    if scheme.relaxation != "exponential" or scheme.order != 1:  # of order 2 it is refused whatever it does
+        return
     vanishes = rheology.phi_eq != "f2" or rheology.phi_eq_N > 2.0
-    h_min = rheology.grain_diameter if scheme.h_min is None else scheme.h_min
+    values = {"scheme.order": scheme.order, "rheology.grain_diameter": rheology.grain_diameter}
+    h_min = default("scheme.h_min", values.__getitem__) if scheme.h_min is None else scheme.h_min
     exponent = 2.5 * scheme.cfl * rheology.K * grid.dx / h_min  # of (3.18) over phi, at the longest step
     most = MOST_RELAXATION[rheology.phi_eq]
-    if scheme.relaxation == "exponential" and vanishes and exponent > most:
+    if vanishes and exponent > most:
         message = (
             f'"exponential" takes phi to nothing in one step of a thin cell: 2.5 cfl K dx/h_min is {exponent:.3g}; '
             f'allowed: <= {most:g} with {rheology.phi_eq}; take "rational", or smaller cells'

@@ -59,7 +59,8 @@ def draw_overlay(results: Sequence[RunColumns], run: int | None, labels: Sequenc
         raise ResultError(f"{len(labels)} labels do not name {len(results)} results")
     runs = [one_run(results[n], r) for n, r in places]
     names = _names(results) if labels is None else list(labels)
-    said = _labels(runs, [names[n] for n, _ in places])
+    numbers = [f"result {n}" + (f", run {r}" if results[n].run.size > 1 else "") for n, r in places]
+    said = _labels(runs, [names[n] for n, _ in places], numbers)
     lines = [
         Line(one, computed_snapshots(one), {"color": COLOURS[n], "linestyle": DASHES[n % len(DASHES)], "label": label})
         for n, (one, label) in enumerate(zip(runs, said, strict=True))
@@ -112,16 +113,19 @@ def _names(results: Sequence[RunColumns]) -> list[str]:
     return names if len(set(names)) > 1 else [""] * len(names)
 
 
-def _labels(runs: Sequence[OneRun], names: Sequence[str]) -> list[str]:
-    """The name of each run's result, the keys in which the runs differ, and what it must not be read without."""
+def _labels(runs: Sequence[OneRun], names: Sequence[str], numbers: Sequence[str]) -> list[str]:
+    """The name of each run's result, the keys in which the runs differ, and what it must not be read without.
+
+    Runs that have no name and differ in no key are called by their numbers.
+    """
     differ = _different_keys(runs)
     labels = []
-    for n, (one, name) in enumerate(zip(runs, names, strict=True)):
+    for one, name, number in zip(runs, names, numbers, strict=True):
         facts = [_fact(one, key) for key in differ[:MAX_FACTS]]
         more = len(differ) - MAX_FACTS
         facts += [f"{more} keys more" if more > 1 else _fact(one, differ[-1])] if more > 0 else []
         name = printable(name).replace("$", r"\$")
-        called = name or (f"run {n}" if not facts else "")
+        called = name or ("" if facts else number)
         text = ": ".join(filter(None, (called, ", ".join(facts))))
         notes = "; ".join(reserves(one))
         text = f"{text} ({notes})" if notes else text
