@@ -1,4 +1,4 @@
-"""The netCDF file of a calibration, in the groups that ArviZ reads, and reading it back.
+"""The netCDF file of a calibration, in the groups that ArviZ reads.
 
 Groups: `posterior`, `sample_stats`, `posterior_predictive` and `prior` have the dimensions chain and draw first;
 `observed_data` holds what was measured under the same names as `posterior_predictive`, and `constant_data` its standard
@@ -23,7 +23,7 @@ import numpy as np
 from warpgran.arrays import Array
 from warpgran.calibration.experiments import KINDS, UNITS, Experiments
 from warpgran.case.sections import KEYS
-from warpgran.files import MARK, StorageError, check_readable, replacing
+from warpgran.files import MARK, replacing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,28 +48,6 @@ def write_result(found: Calibrated, path: Path) -> None:
         for name, data in groups(found).items():
             data.attrs |= {"created_at": datetime.now(UTC).isoformat(), "inference_library": "warpgran"}
             data.to_netcdf(part, mode="a", group=name, engine="h5netcdf")
-
-
-def read_result(path: Path) -> dict[str, xr.Dataset]:
-    """The groups of a file by name; that of the root, whose attributes say what was computed, is called "/".
-
-    Raises:
-        StorageError: There is no such file, or it holds no calibration.
-    """
-    import h5py
-    import xarray as xr
-
-    check_readable(path)
-    try:
-        with h5py.File(path) as file:
-            names = [name for name, item in file.items() if isinstance(item, h5py.Group)]
-        found = {"/": xr.load_dataset(path, engine="h5netcdf")}
-        found |= {name: xr.load_dataset(path, group=name, engine="h5netcdf") for name in names}
-    except (OSError, ValueError) as error:
-        raise StorageError(f"cannot read {path}: {error}") from None
-    if "observed_data" not in found:
-        raise StorageError(f"cannot read {path}: it holds no calibration")
-    return found
 
 
 def groups(found: Calibrated) -> dict[str, xr.Dataset]:
