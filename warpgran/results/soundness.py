@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -74,10 +75,11 @@ def _fault(file: h5py.File, size: int) -> str:
     along = "x" if "cell" not in file else "cell"
     dimensions = {name: COORDINATES[name] for name in ("run", "time", "series_time", along)}
     variables = {**dimensions, **GRID, **FIELDS, **SERIES, **PER_RUN}
-    variables |= {name: Variable(("run",), "", "") for name in file if is_key(name)}
+    found = {name: file[name] for name in file}  # once, since HDF5 takes long to look for a name
+    variables |= {name: Variable(("run",), "", "") for name in found if is_key(name)}
     for name, variable in variables.items():
         padded = along == "cell" and name not in dimensions
-        if wrong := _wrong(file, name, variable.padded if padded else variable):
+        if wrong := _wrong(found, name, variable.padded if padded else variable):
             return wrong
     return _wrong_checks(file, size) or _wrong_values(file, along)
 
@@ -118,14 +120,14 @@ def _has_form(data: Any, dtype: type[np.generic], dimensions: int = 1) -> bool:
     return isinstance(data, h5py.Dataset) and data.dtype == dtype and len(data.shape or ()) == dimensions
 
 
-def _wrong(file: h5py.File, name: str, variable: Variable) -> str:
-    """What is wrong with the form of a variable."""
-    data = file.get(name)
+def _wrong(found: Mapping[str, Any], name: str, variable: Variable) -> str:
+    """What is wrong with the form of a variable, among what the file holds."""
+    data = found.get(name)
     if not isinstance(data, h5py.Dataset):
         return f"{name} is missing"
     if data.shape is None or len(data.shape) != len(variable.dims):
         return f"{name} has not the dimensions {', '.join(variable.dims)}"
-    if data.shape != tuple(file[dim].size for dim in variable.dims):
+    if data.shape != tuple(found[dim].size for dim in variable.dims):
         return f"{name} has another length than {', '.join(variable.dims)}"
     kinds = "iu" if name in _COUNTS else "fiubOS" if is_key(name) else "OS" if name == "failure" else "f"
     if data.dtype.kind not in kinds or (data.dtype.kind == "O" and h5py.check_string_dtype(data.dtype) is None):
