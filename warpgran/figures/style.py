@@ -132,11 +132,12 @@ def save(figure: Figure, path: Path, dpi: float = 200, **metadata: str | None) -
     Raises:
         StorageError: It cannot be written, or something else is there.
     """
-    name = "Software" if path.suffix.lower() == ".png" else "Creator"
+    png = path.suffix.lower() == ".png"
+    metadata = {"Software" if png else "Creator": f"warpgran {version('warpgran')}", **metadata}
+    quick: Any = {"pil_kwargs": {"compress_level": 3}} if png else {}  # in half the time 7 % larger
     picture = BytesIO()  # since matplotlib's writer of .pdf takes a full disk for a defect
+    figure.savefig(picture, format=path.suffix.lower()[1:], dpi=dpi, metadata=metadata, **quick)
     with replacing(path, ours=MARK) as part:
-        metadata = {name: f"warpgran {version('warpgran')}", **metadata}
-        figure.savefig(picture, format=path.suffix.lower()[1:], dpi=dpi, metadata=metadata)
         part.write_bytes(picture.getvalue())
 
 
