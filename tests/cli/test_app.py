@@ -98,24 +98,3 @@ def test_a_command_ends_without_a_search_for_garbage_in_all_modules() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     frozen, left = map(int, done.stdout.split()[-2:])  # what is registered first is called last
     assert frozen > 100 * left
-
-
-def test_what_draws_is_imported_while_a_run_with_a_picture_is_computed(tmp_path: Path) -> None:
-    (tmp_path / "short.toml").write_text("grid = { right = 0.3, cells = 100 }\ntime.end = 0.01\n")
-    code = """
-import sys, time
-from warpgran.cli.app import app
-from warpgran.run import threads
-compute, until = threads.compute, time.monotonic() + 60.0
-
-def once_imported(*arguments):
-    while "warpgran.figures.plot" not in sys.modules:
-        assert time.monotonic() < until
-        time.sleep(0.01)
-    return compute(*arguments)
-
-threads.compute = once_imported
-app(["run", "short.toml"])
-"""
-    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, check=True)
-    assert (tmp_path / "short.png").exists()

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from importlib import import_module
 from pathlib import Path
-from threading import Thread
 from typing import TYPE_CHECKING
 
 from warpgran.cli.arguments import shard_of
@@ -68,8 +66,6 @@ def compute_file(
         start_quietly()
         if cluster is None:
             find_devices(how.device)
-    if pictures:  # takes as long as a short run, whose kernels leave Python free meanwhile
-        Thread(target=import_module, args=["warpgran.figures.plot"]).start()
     with _computing(cluster, how) as compute, study_bar(study, len(runs)) as progress:
         outcome = run_to_file(
             study, path, how, runs=runs, resume=resume, force=force, progress=progress, compute=compute

@@ -1,11 +1,11 @@
-"""The commands `warpgran plot` and `warpgran animate`, and the picture of `warpgran run`."""
+"""The commands `warpgran plot` and `warpgran animate`, and what a run writes beside its result."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,9 +13,6 @@ from warpgran.cli.arguments import Picture, ResultFile
 from warpgran.cli.report import print_caveats
 from warpgran.cli.terminal import say, tell
 from warpgran.errors import WarpgranError
-
-if TYPE_CHECKING:
-    from warpgran.analysis.run_columns import RunColumns
 
 
 def plot(
@@ -56,18 +53,6 @@ def animate(
     if film.advice:
         tell(f"few snapshots: {film.advice}")
     say(f"wrote {made}")
-
-
-def picture_beside(path: Path, data: RunColumns) -> list[str]:
-    """The picture of a result that is safe in its file: written beside it, or why not on standard error.
-
-    Returns:
-        The path of the picture, or nothing.
-    """
-    from warpgran.figures.plot import plot
-
-    made = path.with_suffix(".png")
-    return beside("picture", made, lambda: plot(data, path=made))
 
 
 def beside(what: str, path: Path, write: Callable[[], object]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import Annotated
 
 import typer
@@ -22,7 +23,7 @@ from warpgran.cli.arguments import (
     bytes_of,
 )
 from warpgran.cli.computing import compute_file, exit_status
-from warpgran.cli.pictures import picture_beside
+from warpgran.cli.drawing import SUFFIX, Drawing
 from warpgran.cli.report import report
 from warpgran.cli.terminal import read, say
 from warpgran.cli.view import page_beside
@@ -45,20 +46,23 @@ def run(
     view: Annotated[bool, typer.Option("--view", help="Write a page to look at the result in a browser.")] = False,
 ) -> None:
     """Compute a run file: an HDF5 file, a picture and a short table."""
-    from warpgran.results.columns import opened_columns
-    from warpgran.run.options import Options
+    with Drawing() if picture else nullcontext() as drawing:
+        from warpgran.results.columns import opened_columns
+        from warpgran.run.options import Options
 
-    how = Options(device=device, precision=precision, engine=engine, threads=threads, memory=bytes_of(memory))
-    study = read(file, set_)
-    suffixes = [suffix for suffix, asked in ((".png", picture), (".html", view)) if asked]
-    path, outcome = compute_file(
-        file, study, output, how, resume=resume, force=force, shard=shard, cluster=cluster,
-        pictures=suffixes,
-    )  # fmt: skip
-    written = [str(path)]
-    with opened_columns(path) as columns:
-        written += picture_beside(path, columns) if picture else []
-        written += page_beside(path) if view else []
-        report(study, columns, outcome)
+        how = Options(device=device, precision=precision, engine=engine, threads=threads, memory=bytes_of(memory))
+        study = read(file, set_)
+        suffixes = [suffix for suffix, asked in ((SUFFIX, picture), (".html", view)) if asked]
+        path, outcome = compute_file(
+            file, study, output, how, resume=resume, force=force, shard=shard, cluster=cluster,
+            pictures=suffixes,
+        )  # fmt: skip
+        if drawing:
+            drawing.begin(path)
+        written = [str(path)]
+        with opened_columns(path) as columns:
+            report(study, columns, outcome)
+            written += drawing.end(path, columns) if drawing else []
+            written += page_beside(path) if view else []
     say(f"wrote {' and '.join(written)}")
     raise typer.Exit(130 if outcome.interrupted else exit_status(columns.status))
