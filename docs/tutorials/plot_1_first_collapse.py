@@ -24,7 +24,7 @@ case = wg.Case.from_toml("../../runs/dense_22deg.toml")
 case
 
 # %%
-# Computing it takes a tenth of a second, after some seconds of compiling the first time. What comes back is an
+# Computing it takes two tenths of a second, after some seconds of compiling the first time. What comes back is an
 # ``xarray.Dataset``: profiles of the thickness ``h``, the velocity ``v`` and the solid volume fraction ``phi`` at
 # some instants, and series such as the position of the front, sampled more often.
 data = wg.simulate(case)
