@@ -81,7 +81,8 @@ REMARKS = {
     "psi-at-first": "With the paper's viscosity the tip thinner than 5 mm has more.",
     "psi-at-036": (
         "The least thickness h_min in the shear rate decides: with order 2 it is -10.5 degrees with five grains and "
-        "-22 with one. With order 1 (one grain) it passes -18 on 0.25 mm; on 1 mm the front is still too fast at 0.36 s."
+        "-22 with one. With order 1 (one grain) it passes -18 on 0.25 mm; on 1 mm the front is still too fast at 0.36 "
+        "s."
     ),
     "friction-falls-late": LATE,
     "psi-small-at-22": (
