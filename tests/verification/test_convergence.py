@@ -30,5 +30,8 @@ def test_the_outcome_has_a_row_for_each_quantity_and_a_figure(order: int) -> Non
     outcome = convergence(CheckOptions(order=order), (60, 120, 240))
     assert len(outcome.rows) == 2 * 2 * 4
     assert outcome.holds  # nothing is asked without the grid of 2000 cells
+    with_limit = [row for row in outcome.rows if "no limit" not in row.bound]
+    assert with_limit and all([cells for cells, _ in row.errors] == [60, 120, 240] for row in with_limit)
+    assert all(row.errors[-1][1] == row.error for row in with_limit)
     assert list(outcome.figures) == ["convergence"]
     assert len(outcome.figures["convergence"].axes) == 4

@@ -124,15 +124,16 @@ def _row(order: int, collapse: Collapse, t: float, series: Refined) -> Row:
         return Row(what, float(np.abs(series.changes[-1])), "-", bound, False if asked else None)
     words = f"1 % from {series.enough()} cells" if series.enough() else f"1 % on no grid up to {series.cells[-1]}"
     error = float(series.errors[-1])
+    errors = tuple(zip(series.cells, series.errors.tolist(), strict=True))
     if not asked:
-        return Row(what, error, "-", f"reported: {words}", None, series.order)
+        return Row(what, error, "-", f"reported: {words}", None, series.order, errors)
     there = float(series.errors[series.cells.index(judged.cells)])
     bound = f"<= {judged.error:g} on {judged.cells} cells, where it is {there:.2g}; {words}"
     held = there <= judged.error
     if order == 2 and series.name.startswith("front"):
         bound = f"order >= {LEAST:g} or error <= {SETTLED:g}, {bound}"
         held = held and (series.order >= LEAST or error <= SETTLED)
-    return Row(what, error, "-", bound, bool(held), series.order)
+    return Row(what, error, "-", bound, bool(held), series.order, errors)
 
 
 COLOURS = ("#d55e00", "#cc79a7", "#0072b2", "#009e73")
