@@ -1,6 +1,6 @@
 """Many steps of a run by one block in one launch, made of the kernels themselves: to measure, no part of warpgran.
 
-A step is some 12 launches, which for few small runs cost a GPU more than the work between them. Here a block of lanes
+A step is 12 or 21 launches, which for few small runs cost a GPU more than the work between them. Here a block of lanes
 keeps a run, does all kernels of a step one after another, and waits for its lanes between them; what a run needs stays
 in the caches nearest to it. For this each kernel's source is read again as a function of its thread (Warp lets only a
 kernel ask for that), and a kernel that calls them all is written in the order of `Solver.step`, whatever that is.

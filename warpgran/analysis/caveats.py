@@ -24,7 +24,7 @@ LISTED = 20
 
 
 def caveats(data: xr.Dataset | RunColumns) -> dict[str, Array]:
-    """Which runs have results that hold with a reserve.
+    """Which runs have results that hold only with reservations.
 
     Args:
         data: A result, with all its runs or some (`data.isel(run=[0, 3])`).
@@ -56,7 +56,7 @@ def messages(data: xr.Dataset | RunColumns) -> list[str]:
         data: A result, with all its runs or some.
 
     Returns:
-        Lines without a full stop; none of a result without reserve.
+        Lines without a full stop; none for a result without reservations.
 
     Raises:
         ResultError: A selection without the dimension `run`.
@@ -100,7 +100,7 @@ def _waiting(data: RunColumns) -> list[str]:
 
 
 def _left_grid(data: RunColumns, left: Array) -> list[str]:
-    """One line for the runs that lost solid: how much, and of one the first sample at which it was above LOST."""
+    """One line for the runs that lost solid: how much, and for a single run since when it was more than LOST."""
     lost = 100.0 * _final(data, "outflow_final")
     if data.run.size > 1:
         return _counted(data, left, "left the grid", f"up to {lost[left].max(initial=0.0):.2g} %", "are lower bounds")

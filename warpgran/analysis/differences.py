@@ -74,7 +74,7 @@ def _same(a: Array, b: Array) -> Array:
 
 
 def of_values(a: xr.Dataset, b: xr.Dataset, pairs: Pairs) -> Iterator[Largest]:
-    """What the runs of each pair have a single value of."""
+    """The differences of what has a single value in each run."""
     i, j = np.array(pairs).T
     for name in VALUES:
         of_a, of_b = (data[name].values[at].astype(float) for data, at in ((a, i), (b, j)))

@@ -12,7 +12,7 @@ from warpgran.arrays import Array
 SETTLED = 1e-3
 """A relative change from one grid to the next below which the finest value is taken for the limit."""
 ORDERS = (0.4, 2.5)
-"""Observed orders that an extrapolation is built on; the schemes are of order 1 and 2."""
+"""Range of observed orders from which to extrapolate; the schemes are of order 1 and 2."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Refined:
 
     @property
     def order(self) -> float:
-        """Observed on the three finest grids; NaN unless it is one that an extrapolation can be built on."""
+        """Order observed on the three finest grids; NaN unless it is one from which to extrapolate."""
         before, last = self.changes[-2:].tolist()
         order = math.log2(before / last) if before * last > 0.0 else math.nan
         return order if ORDERS[0] <= order <= ORDERS[1] else math.nan

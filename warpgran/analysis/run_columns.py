@@ -1,4 +1,4 @@
-"""What tables, caveats and figures take of a result, as arrays over its runs: of a Dataset, or without xarray."""
+"""What tables, caveats and figures need of a result, as arrays over its runs, from a Dataset or without xarray."""
 
 from __future__ import annotations
 

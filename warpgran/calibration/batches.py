@@ -14,7 +14,7 @@ from warpgran.files import StorageError, replacing
 Predict = Callable[[Array], Array]
 """Predictions (points, data) of points (points, parameters)."""
 BATCH = "[0-9a-f]*.npz"
-"""Names of files of batches; a part that a killed process has left begins with a dot."""
+"""Names of files of batches; what a killed process has left unfinished begins with a dot."""
 
 
 class Batches:

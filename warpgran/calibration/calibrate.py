@@ -39,7 +39,7 @@ class Calibrated:
 
     @property
     def converged(self) -> bool:
-        """Whether the populations of the posterior agree, and say enough; True where none was asked for."""
+        """Whether the populations of the posterior agree and hold enough effective draws; True if not asked for."""
         return not self.reached("posterior") or not words.not_converged(self.stages)
 
     def table(self) -> pd.DataFrame:

@@ -139,7 +139,7 @@ def _of_folder(
 
 
 def _unfit(tables: Mapping[str, MeasuredTable], base: Case) -> Iterator[str]:
-    """What the runs of a case cannot be compared with."""
+    """Measurements with which the runs of a case cannot be compared."""
     grid = base.grid
     for name, table in tables.items():
         for i, place in enumerate(table.places):

@@ -1,4 +1,4 @@
-"""Figures of what was measured: under the bands of the predictions, and what is left of it."""
+"""Figures of what was measured: with the bands of the predictions, and the residuals."""
 
 from __future__ import annotations
 

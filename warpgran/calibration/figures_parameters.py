@@ -1,4 +1,4 @@
-"""Figures of the parameters: the posterior by pairs, and beside its prior."""
+"""Figures of the parameters: the posterior in pairs, and next to the prior."""
 
 from __future__ import annotations
 

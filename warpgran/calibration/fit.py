@@ -15,9 +15,9 @@ from warpgran.case.distributions import Distribution
 from warpgran.errors import ResultError
 
 STEP = 0.01
-"""Of the central differences, in shares of the prior: far above what a time step more or less moves a front."""
+"""Of the central differences, in shares of the prior: large enough that a time step more or less does not matter."""
 EDGE = 1e-3
-"""Least share of the prior that a fit looks at."""
+"""How near to the ends of the prior a fit goes, as a share of it."""
 FAR = 1e3
 """Residual of a run that failed, in standard deviations."""
 PRIOR_SD = 1.0 / np.sqrt(12.0)

@@ -45,10 +45,10 @@ MOVES = (2, 10)
 SHARES = (0.1, 0.9)
 """Least and greatest share of independent proposals."""
 WALK_ACCEPTANCE = 0.3
-"""Acceptance that the step of the random walk is steered to; between 0.23 and 0.44 its best changes little."""
+"""Acceptance to which the step of the random walk is adapted; any between 0.23 and 0.44 is nearly the best."""
 
 _WITHIN = (np.finfo(float).tiny, 1.0 - np.finfo(float).epsneg)
-"""Shares of a prior short of 0 and 1, where a normal one has infinities."""
+"""Least and greatest share of a prior: at 0 and 1 a normal one is infinite."""
 
 
 @dataclass(frozen=True)

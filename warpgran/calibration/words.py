@@ -16,13 +16,13 @@ from warpgran.case.study import Study
 from warpgran.case.unlikely import unlikely
 
 EDGE = 0.05
-"""Outermost share of a prior, that a posterior may lean on."""
+"""Width, as a share of the prior, of the edges on which a posterior may lean."""
 LEANS = 2.0
-"""How many times the prior's own share of the posterior at an edge is leaning."""
+"""A posterior leans on an edge if it has this many times the share there that the prior has."""
 LIKE_PRIOR = 0.8
-"""Standard deviation over that of the prior from which the data are said to leave a parameter open."""
+"""A parameter is left open by the data if its standard deviation is more than this share of the prior's."""
 LEAST_PART = 0.2
-"""Least part of a parameter in a combination that is named, in standard deviations of the prior."""
+"""Least part of a parameter in a combination for it to be named, in standard deviations of the prior."""
 MOST_R_HAT, LEAST_SIZE = 1.05, 100.0
 """Of a posterior that has converged."""
 NAMED = 3

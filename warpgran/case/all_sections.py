@@ -13,4 +13,4 @@ ALL_SECTIONS: dict[str, type[Model]] = SECTIONS | {
     "sensitivity": Sensitivity,
     "calibration": Calibration,
 }
-"""By name. The tables of docs/run_file.md and the JSON schema are made of it, so that a new section stands here."""
+"""The sections by name. The tables of docs/run_file.md and the JSON schema are made from them."""

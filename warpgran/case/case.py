@@ -138,7 +138,7 @@ class Case(Model):
         return self._checked(data, problems, self._folder, self._source)
 
     def refined(self, level: int) -> Case:
-        """The case on 2^level times the cells, not checked again: what is refused is refused of the case itself."""
+        """This case on 2^level times as many cells; it is not checked again, since the case itself has been."""
         grid = self.grid.model_copy(update={"cells": self.grid.cells * 2**level})
         return self.model_copy(update={"grid": grid}) if level else self
 
@@ -282,7 +282,7 @@ class Case(Model):
 
     @property
     def following(self) -> list[str]:
-        """The keys with a part in this case whose default, which follows from other keys, is in force."""
+        """The keys that have a part in this case and are not set, but have a default that follows from other keys."""
         values = self._in_force()
         return [key for key in FOLLOWS if self._given(key) is None and values[key] is not None]
 

@@ -88,7 +88,7 @@ def _plainer(schema: Any) -> Any:
 
 
 def _over(over: dict[str, Any], properties: dict[str, Any]) -> dict[str, Any]:
-    """What can vary, key by key, dotted in quotes or nested: the values of a list are as good as single ones."""
+    """What can vary, by key, dotted in quotes or nested; each value of a list must be as good as a single one."""
     forms = over.pop("additionalProperties", True)
     if forms is True:  # a section whose distributions are read apart
         forms = {"$ref": "#/$defs/Distribution"}

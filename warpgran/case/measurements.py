@@ -29,7 +29,7 @@ COLUMNS = {
 RANGES = {"angle": (-80.0, 80.0), "t": (0.0, np.inf), "h": (0.0, np.inf), "change": (-1.0, np.inf)}
 
 BELOW = 5.0
-"""How many sigma a thickness may lie below 0, which noise brings about where the flow is thin."""
+"""How many sigma below 0 a thickness may lie, as noise makes it do where the flow is thin."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from pydantic.fields import FieldInfo
 from warpgran.case.problems import CaseError, Problem
 
 LEAST, MOST = 1e-30, 1e30
-"""Sizes of the numbers of a run file that are not 0, whatever the unit."""
+"""Smallest and largest size of a number in a run file, unless it is 0, whatever its unit."""
 MM = ("mm", 1e3)
 MM_PER_S = ("mm/s", 1e3)
 

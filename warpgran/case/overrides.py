@@ -1,4 +1,4 @@
-"""Changes of a run file from outside, `KEY=VALUE`, and what changes of any kind leave of its title."""
+"""Changes of a run file from outside, `KEY=VALUE`, and what becomes of its title when keys change."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def override_all(data: dict[str, Any], overrides: Sequence[str]) -> list[Problem
 
 @contextmanager
 def named_in_title(data: dict[str, Any], keys: Iterable[str]) -> Iterator[None]:
-    """Name in a title the keys that are changed meanwhile: it may be about what they were.
+    """Add to the title the keys that are changed in this block, since it may describe their old values.
 
-    "Dense column, 22 degrees" becomes "Dense column, 22 degrees [slope.angle = 5]", and of a key that is changed again
-    the last value is named. A title that is set itself stays, and keys that decide nothing of the flow are not named.
+    "Dense column, 22 degrees" becomes "Dense column, 22 degrees [slope.angle = 5]"; a key that is changed again is
+    named with its last value. A title that is itself set stays, and keys that do not affect the flow are not named.
     """
     title, keys = data.get("title"), list(dict.fromkeys(keys))
     before = {key: deepcopy(value_at(data, key)) for key in keys}
@@ -43,12 +43,12 @@ def named_in_title(data: dict[str, Any], keys: Iterable[str]) -> Iterator[None]:
 
 
 def without_notes(title: str, keys: Collection[str]) -> str:
-    """A title that names these keys no longer as changed."""
+    """The title without its notes on these keys."""
     return _noted(title, dict.fromkeys(keys, ""))
 
 
 def _noted(title: str, notes: dict[str, str]) -> str:
-    """The title with these notes by key, in place of what it has of them."""
+    """The title with these notes by key, which replace those that it has on the same keys."""
     found = _NOTE.fullmatch(title)
     if found:
         title = found[1]

@@ -185,8 +185,8 @@ class Time(Model):
     )
     """The mass has stopped at the first sample after which its greatest speed stays below this."""
     stop_at_rest: StrictBool = declare(False, "stop at rest")
-    """End a run at the first sample where no part thicker than `h_front` is faster than `rest_speed`, and none was
-    slower at the sample before; later samples and snapshots repeat that state.
+    """End a run at the first sample where what is thicker than `h_front` is slower than `rest_speed` and not speeding
+    up; later samples and snapshots repeat that state.
     """
     step_limit: StrictInt = declare(10_000_000, "step limit", ge=1)
     """A run that takes more steps is given up."""

@@ -43,7 +43,7 @@ def starter(name: str, *, full: bool = False) -> str:
 
 
 def _key(key: str, known: KeyInfo) -> Iterator[str]:
-    """A key with what it means, or its comment alone where it has no value to stand there."""
+    """A key and a comment that says what it means; the comment alone where the key has no value to show."""
     name = key.partition(".")[2]
     other = known.order not in (None, Case().scheme.order)
     order = f" With `order = {known.order}` alone." if known.order is not None else ""

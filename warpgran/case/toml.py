@@ -14,9 +14,9 @@ from warpgran.case.tables import Table
 from warpgran.files import read_text
 
 VARYING = {"sweep": "sweep", "sensitivity": "design"}
-"""Sections, with what they are, that make a file a batch; in their part `over`, dotted keys are single names."""
+"""Sections that make a file a batch, and what each is called; in their part `over`, dotted keys are single names."""
 ASIDE = ("calibration",)
-"""Sections, with such a part too, that no run knows of: their commands read and check them."""
+"""Sections that also have a part `over`, but that runs ignore: their own commands read and check them."""
 
 
 def load(path: str) -> tuple[str, dict[str, Any]]:

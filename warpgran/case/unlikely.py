@@ -23,9 +23,10 @@ GRAINS = 10.0
 ALONG = 20
 """Fewest cells in the length of a column."""
 UPRIGHT = 5
-"""Fewest cells as long as a column is high: a run-out of two heights, on flat ground, is then good to a tenth."""
+"""Fewest cells over a length equal to the height of a column: its run-out on flat ground, some two heights, is then
+good to a tenth."""
 TALLEST = 3.0
-"""Height of a column over the length from which it spreads to one side."""
+"""Largest height of a column over the length that spreads to one side."""
 EXAMINED = 1000
 """Most runs of a study that are examined."""
 

@@ -64,7 +64,7 @@ def warn_of(study: Study) -> None:
 
 
 def print_caveats(data: xr.Dataset | RunColumns, of: str = "") -> None:
-    """Say on standard error which runs, `of` which file, did not end cleanly, and whose results hold with a reserve."""
+    """Say on standard error which runs, `of` which file, did not end cleanly or have results to be read with care."""
     from warpgran.analysis.caveats import messages
 
     for line in messages(data):

@@ -89,7 +89,7 @@ def _column(name: str, values: np.ndarray, length: LengthUnit | None) -> tuple[s
 
 
 def _mark(columns: dict[str, tuple[str, list[str]]], shown: Mapping[str, Array]) -> None:
-    """Put a mark before what holds with a reserve, and the word where a flow had not stopped."""
+    """Put a mark before what holds only with reservations, and the word where a flow had not stopped."""
     for n in range(shown["run"].size):
         marks = [mark for caveat, (mark, _) in MARKS.items() if shown[caveat][n]]
         for name in MARKED if marks else ():

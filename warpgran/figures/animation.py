@@ -62,7 +62,7 @@ def animate(
 
 
 def _more_snapshots(one: OneRun) -> str:
-    """How to get as many as make a smooth animation."""
+    """How to get enough snapshots for a smooth animation."""
     every = float(f"{one.parameter('time.end') / SMOOTH:.2g}")
     return f"run it again with --set 'time.snapshots={{every={every:g}}}' for about {SMOOTH}"
 
@@ -82,7 +82,7 @@ class Film(FuncAnimation):
         super().__init__(scene.figure, scene.show, frames=frames, interval=1000.0 / fps)
 
     def __del__(self) -> None:
-        """Go in silence: matplotlib warns of an animation that was never shown, which a script may well make."""
+        """Say nothing: matplotlib would warn of an animation that was never shown, as a script may well leave one."""
 
     def save(self, *arguments: Any, **options: Any) -> None:
         """Save it; see matplotlib's own."""

@@ -136,7 +136,7 @@ def _labels(runs: Sequence[OneRun], names: Sequence[str], numbers: Sequence[str]
 def _different_keys(runs: Sequence[OneRun]) -> list[str]:
     """Keys of single values in which runs differ, without those that follow others by default; the main ones first.
 
-    How far and how long it is computed is named only where nothing else differs.
+    Keys of the grid and the duration are named only where nothing else differs.
     """
     values = {key: [_value(one, key) for one in runs] for key in dict.fromkeys((*MAIN_KEYS, *KINDS))}
     differ = [key for key, found in values.items() if any(value != found[0] for value in found)]
@@ -165,7 +165,7 @@ def _fact(one: OneRun, key: str) -> str:
 
 
 def _heading(runs: Sequence[OneRun]) -> str:
-    """The title that all runs share, their number, and the main parameters that are the same in all."""
+    """The title that all runs share, how many they are, and the main parameters that are the same in all."""
     shared = [key for key in MAIN_KEYS if len({_value(one, key) for one in runs}) == 1]
     facts = [f"{len(runs)} runs", *(_fact(runs[0], key) for key in shared if _value(runs[0], key) is not None)]
     titles = {_value(one, "title") for one in runs}

@@ -59,7 +59,7 @@ def describe(data: h5py.Dataset, schema: Variable, coordinates: Iterable[str] = 
 
 
 def describe_as(data: h5py.Dataset, other: h5py.Dataset) -> None:
-    """Describe a dataset as one of that name in another file; a dimension scale becomes one, others have theirs."""
+    """Describe a dataset like the one of that name in another file, and make it a scale or attach its scales."""
     name = other.name.removeprefix("/")
     if other.is_scale:
         data.make_scale(name)

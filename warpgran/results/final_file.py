@@ -57,7 +57,7 @@ def _copy_runs(source: h5py.Dataset, target: h5py.Dataset, done: Array, reserve:
 
 
 def _packing(shape: tuple[int, ...]) -> dict[str, Any]:
-    """Compression of profiles, in chunks of one run, or less of it where that is much."""
+    """Compression of profiles, in chunks of one run, or of a part of it where a run is large."""
     rest = [int(n) for n in shape]
     while 8 * math.prod(rest) > CHUNK and max(rest) > 1:
         longest = rest.index(max(rest)) if rest[0] == 1 else 0  # snapshots apart before cells apart

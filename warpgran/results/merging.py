@@ -75,7 +75,7 @@ def _check_same(path: Path, file: h5py.File, other: h5py.File, name: Path) -> No
 
 
 def _check_contained(path: Path, file: h5py.File, runs: Array) -> None:
-    """Check that a file that is there is of the study of another, and that all its runs are among those given."""
+    """Check that a file that exists is of the same study as another, and that its runs are all among those given."""
     if not path.exists() or path.stat().st_size == 0:
         return
     try:

@@ -61,7 +61,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
 
 @contextmanager
 def opened(path: Path) -> Iterator[xr.Dataset]:
-    """`open_dataset`, for a block that uses the arrays: what cannot be read there is reported with the file's name.
+    """`open_dataset` for a block that uses the arrays: what cannot be read is reported with the name of the file.
 
     Raises:
         StorageError: The file cannot be read, or some of its numbers.
@@ -82,7 +82,7 @@ def load_dataset(path: Path) -> xr.Dataset:
 
 @contextmanager
 def unspoiled(*paths: Path) -> Iterator[None]:
-    """A block that reads numbers of one file, or of several.
+    """For a block that reads numbers of one or several files: what cannot be read is reported with their names.
 
     Raises:
         StorageError: The library cannot make sense of what is there.

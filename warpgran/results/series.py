@@ -59,7 +59,7 @@ def _initial_mass(case: Case) -> float:
 def _initial_volume(case: Case) -> float:
     """Volume per unit width [m2] of the cells that start with more than h_front, compacted; NaN if there are none.
 
-    As at t = 0 in the series: of a run that starts on finer cells it is of their means over its own.
+    The same as the series at t = 0: of a run that starts on finer cells, from their means over its own cells.
     """
     start, a = case.refined(case.scheme.start_levels), case.scheme.alpha - 1.0
     h, phi = start.initial_state()

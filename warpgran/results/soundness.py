@@ -85,7 +85,7 @@ def _fault(file: h5py.File, size: int) -> str:
 
 
 def _elsewhere(group: h5py.Group, size: int) -> str:
-    """What of a group is not in the file, which has so many bytes."""
+    """What in a group lies outside the file, or is more than so many bytes of it can hold; "" if nothing."""
     for name in group:
         if not isinstance(group.get(name, getlink=True), h5py.HardLink):
             return f"{name} is a link to another place"

@@ -17,9 +17,9 @@ from warpgran.sensitivity_analysis.sobol import CONFIDENCE, Estimate, sobol
 from warpgran.sensitivity_analysis.soundness import kept
 
 ROUNDING = {"float64": 1e-9, "float32": 1e-5}
-"""Share of an output below which its standard deviation is rounding, by the precision of the runs."""
+"""A standard deviation below this share of the output is rounding, by the precision of the runs."""
 OVER_TIME = "_over_time"
-"""Behind the name of a variable that is resolved in time."""
+"""End of the name of a variable that is resolved in time."""
 LONG_NAMES = {
     "first_order": "first-order Sobol index",
     "total_order": "total Sobol index",

@@ -18,7 +18,7 @@ from warpgran.figures.style import STYLE, THIN, TIME_LABEL, WIDTH, letter, save
 from warpgran.sensitivity_analysis.indices import OVER_TIME
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "0.2", "#8c564b", "#7f7f00", "#9467bd")
-"""Of the parameters, in their order; tell apart by colour-blind eyes too."""
+"""Of the parameters, in their order; the colour-blind can tell them apart."""
 MARKS = "osD^v<>phX"
 ACROSS = 4
 """Most panels side by side."""

@@ -18,7 +18,7 @@ from warpgran.arrays import Array
 CONFIDENCE = 0.95
 RESAMPLES = 999
 AT_ONCE = 2**24
-"""Numbers of the products of a few outputs that are made at once."""
+"""Most numbers of the products that are made at once, for a few outputs."""
 
 
 class Estimate(NamedTuple):
@@ -69,7 +69,7 @@ def _some(y: Array, seed: int, rounding: float) -> SobolIndices:
 
 
 def _terms(y: Array) -> tuple[Array, Array, Array]:
-    """What the indices are means of, over the samples: of both orders (samples, 2, d, outputs), and of the variance."""
+    """The terms whose means over the samples give both orders of indices (samples, 2, d, outputs), and the variance."""
     A, B, AB = y[:, :1], y[:, 1:2], y[:, 2:]
     both = np.stack([B * (AB - A), 0.5 * (A - AB) ** 2], axis=1)
     return both, y[:, :2].mean(axis=1), (y[:, :2] ** 2).mean(axis=1)

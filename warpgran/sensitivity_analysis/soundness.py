@@ -1,4 +1,4 @@
-"""Runs that an index must not be made of, and what is said of them: how many, which, and where in the space."""
+"""Runs that must not enter an index, and what is said of them: how many, which, and where in the space."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FINAL = ("run_out", "h_max_final", "stop_time")
 NAMED = 8
 """Most runs that a line names."""
 NARROW = 0.9
-"""A parameter says where runs lie if they span less than this share of its range."""
+"""A parameter tells where runs lie if they span less than this share of its range."""
 LEAST = 8
 """Fewest base samples, or trajectories, that may be left."""
 

@@ -197,7 +197,7 @@ def _cells(page: View) -> int:
 
 
 def _profiles(page: View) -> Iterator[tuple[int, str]]:
-    """Rows with their profiles, in an order that is evenly spread wherever it ends: when no more fit."""
+    """Rows with their profiles, in such an order that those which fit are evenly spread, wherever it ends."""
     rows = _halving(_rows(page))
     together = min(map(runs_at_once, page.results.values()))
     for first in range(0, len(rows), together):
