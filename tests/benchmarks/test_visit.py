@@ -49,13 +49,16 @@ def test_the_counts_are_of_the_kernels() -> None:
     sys.path.insert(0, str(PROGRAM.parent))
     try:
         from parts.counts import counts, total
+        from parts.registers import most
 
-        of = counts(variant_of(Case().with_(**{"scheme.order": 1}), "float64"))
+        variant = variant_of(Case().with_(**{"scheme.order": 1}), "float64")
+        of, taken = counts(variant), most(variant)
     finally:
         sys.path.remove(str(PROGRAM.parent))
     assert (of["update"].read, of["update"].written, of["update"].divisions) == (7, 3, 0)
     assert total(of).bytes("float64") == 2 * total(of).bytes("float32") == 8 * (total(of).read + total(of).written)
     assert of["flux"].roots > 0
+    assert 32 < taken.registers < 255 and taken.frame == 0  # nothing is spilled
 
 
 def test_a_visit_cut_short_keeps_what_it_has(tmp_path: Path) -> None:
