@@ -5,7 +5,6 @@ And a quarter as many finished files of an interrupted study.
 
 from __future__ import annotations
 
-import random
 import shutil
 import sys
 import tempfile
@@ -24,6 +23,7 @@ from helpers.attack import (
     prepared,
     report,
     same,
+    spoiled,
     warpgran,
 )
 
@@ -43,7 +43,7 @@ def main() -> None:
             for trial in range(count):
                 here = folder / f"trial{trial}"
                 here.mkdir()
-                how, data = _corrupted(sound, rng)
+                how, data = spoiled(sound, rng)
                 (here / f"out{suffix}").write_bytes(data)
                 end = warpgran("run", "../case.toml", "-o", "out.h5", "--resume", "--no-picture", folder=here)
                 wrong = end.finding
@@ -55,22 +55,6 @@ def main() -> None:
                 findings += [f"{suffix}, trial {trial}, {how}: {wrong}"] if wrong else []
                 shutil.rmtree(here)
     report("corrupted part files", ended, findings)
-
-
-def _corrupted(data: bytes, rng: random.Random) -> tuple[str, bytes]:
-    """What was done, and the bytes."""
-    spoiled, kind, size = bytearray(data), rng.random(), len(data)
-    near = rng.choice((size, size, 30_000))  # the structure stands at the beginning
-    at = rng.randrange(min(near, size))
-    if kind < 0.1:
-        return f"cut at {at}", data[:at]
-    if kind < 0.25:
-        spoiled[at : at + 512] = bytes(len(spoiled[at : at + 512]))
-        return f"512 zeros at {at}", bytes(spoiled)
-    places = [rng.randrange(min(near, size)) for _ in range(rng.choice((1, 1, 2, 8)))]
-    for place in places:
-        spoiled[place] ^= 1 << rng.randrange(8)
-    return f"bits flipped at {places}", bytes(spoiled)
 
 
 if __name__ == "__main__":

@@ -80,8 +80,8 @@ def _derive() -> None:
             wg.forces(data)
             wg.caveats(data)
             wg.with_keys(data, "rheology.K")
-    except (wg.WarpgranError, OSError) as error:  # OSError: of bytes that are read when they are used
-        print(" ".join(str(error).split()))
+    except wg.WarpgranError as error:
+        print(error)
         sys.exit(2)
 
 

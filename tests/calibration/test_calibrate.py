@@ -8,6 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from helpers.places import BENCHMARKS
@@ -185,6 +186,27 @@ def test_the_command_refuses_wrong_input_with_a_line_each(tmp_path: Path) -> Non
     ]
     refused = CliRunner().invoke(app, ["calibrate", str(tmp_path / "two.toml"), "--data", str(tmp_path / "none")])
     assert (refused.exit_code, refused.output.count("\n")) == (2, 1)
+
+
+def test_a_spoiled_screening_is_refused_in_a_line(tmp_path: Path) -> None:
+    (tmp_path / "two.toml").write_text(RUN_FILE)
+    (tmp_path / "front.csv").write_text("angle,t,x,sigma\n0,0.2,0.2,0.01\n")
+    folder = tmp_path / "out"
+    small = [word for change in ("calibration.screening=16", "time.end=0.2") for word in ("--set", change)]
+    options = ["--data", str(tmp_path), "-o", str(folder), "--stage", "screening", *small]
+    assert CliRunner().invoke(app, ["calibrate", str(tmp_path / "two.toml"), *options]).exit_code == 0
+    kept = folder / "runs" / "screening.h5"
+    sound = kept.read_bytes()
+    with h5py.File(kept) as file:
+        status = file["status"].id.get_offset()
+    for at in (status, 600, len(sound) // 2):  # a run that ended as another, a structure, numbers
+        kept.write_bytes(sound[:at] + bytes([sound[at] ^ 1]) + sound[at + 1 :])
+        refused = CliRunner().invoke(app, ["calibrate", str(tmp_path / "two.toml"), *options])
+        assert refused.exit_code == 2 and isinstance(refused.exception, SystemExit)
+        assert refused.stderr == f"warpgran: cannot write {kept}: {kept} is there and is no result; remove it first\n"
+    kept.write_bytes(sound)
+    again = CliRunner().invoke(app, ["calibrate", str(tmp_path / "two.toml"), *options])
+    assert again.exit_code == 0 and "\n0 runs in " in again.output and kept.read_bytes() == sound
 
 
 def test_check_checks_the_section(tmp_path: Path) -> None:

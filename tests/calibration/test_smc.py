@@ -212,6 +212,34 @@ def test_a_checkpoint_of_something_else_is_refused(tmp_path: Path) -> None:
         sample(LinearGaussian(), [NORMAL] * 3, checkpoint=path)
 
 
+def fewer_numbers(data: bytes) -> bytes:
+    """The header of an array says that it is smaller, so that NumPy would not read to its checksum."""
+    at = data.index(b"'shape': (4, ") + len(b"'shape': (4, ")
+    return data[:at] + b"1" + data[at + 1 :]
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda data: data[:-30],
+        lambda data: data[:900],
+        lambda data: data[:2000] + bytes([data[2000] ^ 1]) + data[2001:],
+        lambda data: data[:-40] + bytes([data[-40] ^ 4]) + data[-39:],
+        fewer_numbers,
+    ],
+    ids=["its end is cut", "cut", "a bit of a number", "a bit of its directory", "fewer numbers"],
+)
+def test_a_spoiled_checkpoint_is_refused_in_a_line(tmp_path: Path, spoil: Callable[[bytes], bytes]) -> None:
+    path = tmp_path / "smc.npz"
+    sample(LinearGaussian(), [NORMAL] * 3, checkpoint=path)
+    sound = path.read_bytes()
+    assert spoil(sound) != sound
+    path.write_bytes(spoil(sound))
+    with pytest.raises(OptionError) as refused:
+        sample(LinearGaussian(), [NORMAL] * 3, checkpoint=path)
+    assert str(refused.value) == f"{path}: is no checkpoint of the sampler, or damaged; remove it to begin anew"
+
+
 def test_a_start_that_is_given_is_the_first_batch() -> None:
     shares = stats.qmc.Sobol(2, seed=np.random.default_rng(0)).random(256)
     first: list[Array] = []

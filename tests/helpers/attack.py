@@ -1,8 +1,8 @@
 """What the scripts of tests/adversary share: commands tried in processes of their own, and what counts as a finding.
 
-They take minutes, pytest does not collect them, and each is run by its path. A finding is a
-traceback, a signal, an exit status that warpgran has not, a trial that takes longer than LIMIT, or what a script adds,
-such as results that differ in a bit. Each prints a line with counts, and exits with 1 if there is a finding.
+They take minutes, pytest does not collect them, and each is run by its path. A finding is a traceback, a warning of
+Python or NumPy, a signal, an exit status that warpgran has not, a trial that takes longer than LIMIT, or what a script
+adds, such as results that differ in a bit. Each prints a line with counts, and exits with 1 if there is a finding.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ import numpy as np
 from warpgran.run.outcome import Outcome, Progress, Sink
 
 LIMIT = 20.0
-"""Seconds that no trial may take."""
+"""Seconds that no trial may take, of a processor, so that a machine that does other things finds nothing else."""
+PATIENCE = 10.0
+"""Times LIMIT that a trial may take by the clock."""
 CODES = (0, 1, 2, 130)
 """Exit statuses of warpgran."""
 QUICK = """
@@ -61,6 +63,8 @@ class Ended(NamedTuple):
             return f"ended by signal {-self.code}"
         if "Traceback" in self.said and "Exception ignored" not in self.said:  # Ctrl-C within a destructor
             return f"traceback: {self.said.strip().splitlines()[-1]}"
+        if warned := next((line for line in self.said.splitlines() if "Warning: " in line), ""):
+            return f"warned: {warned}"
         return "" if self.code in CODES else f"exit status {self.code}"
 
 
@@ -92,18 +96,19 @@ def tried(work: Callable[[], None], folder: Path, kill: tuple[float, int] | None
     if child == 0:
         _in_child(work, folder, log)
     began, code, sent = time.monotonic(), None, False
-    while (waited := os.waitpid(child, os.WNOHANG))[0] == 0:
+    while (waited := os.wait4(child, os.WNOHANG))[0] == 0:
         took = time.monotonic() - began
         if kill and not sent and took >= kill[0]:
             os.kill(child, kill[1])
             sent = True
-        if took > LIMIT:
+        if took > PATIENCE * LIMIT:
             os.kill(child, signal.SIGKILL)
             os.waitpid(child, 0)
             break
         time.sleep(0.002)
     else:
-        code = os.waitstatus_to_exitcode(waited[1])
+        used = waited[2].ru_utime + waited[2].ru_stime
+        code = os.waitstatus_to_exitcode(waited[1]) if used <= LIMIT else None
     said = log.read_text(errors="replace")
     log.unlink()
     return Ended(code, said)
@@ -179,6 +184,22 @@ def half(folder: Path, after: Callable[[Outcome], Outcome]) -> Path:
 
     assert tried(work, folder).code == 0
     return folder
+
+
+def spoiled(data: bytes, rng: random.Random) -> tuple[str, bytes]:
+    """What a disk may do to the bytes of a file: in words, and the bytes."""
+    bad, kind, size = bytearray(data), rng.random(), len(data)
+    near = rng.choice((size, size, 30_000))  # the structure stands at the beginning
+    at = rng.randrange(min(near, size))
+    if kind < 0.1:
+        return f"cut at {at}", data[:at]
+    if kind < 0.25:
+        bad[at : at + 512] = bytes(len(bad[at : at + 512]))
+        return f"512 zeros at {at}", bytes(bad)
+    places = [rng.randrange(min(near, size)) for _ in range(rng.choice((1, 1, 2, 8)))]
+    for place in places:
+        bad[place] ^= 1 << rng.randrange(8)
+    return f"bits flipped at {places}", bytes(bad)
 
 
 def same(path: Path, whole: dict[str, Any]) -> bool:

@@ -166,6 +166,39 @@ def test_numbers_that_cannot_be_read_are_told_with_the_name_of_the_file(tmp_path
         merge([path], tmp_path / "out.h5")
 
 
+def test_whatever_hdf5_raises_is_a_line(tmp_path: Path, sound: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a spoiled structure HDF5 raises RuntimeError as well as OSError, in several lines."""
+
+    def spoiled(*arguments: Any, **options: Any) -> None:
+        raise RuntimeError("Unspecified error in H5Oopen\n(return value <0)")
+
+    monkeypatch.setattr("h5py.Dataset.__getitem__", spoiled)
+    for command in ("summary", "plot", "view"):
+        result = CliRunner().invoke(app, [command, str(sound)])
+        assert result.exit_code == 2
+        assert len(result.stderr.splitlines()) == 1 and "Unspecified error in H5Oopen (return value" in result.stderr
+    monkeypatch.setattr("h5py.File.__init__", spoiled)
+    with pytest.raises(StorageError, match=r"cannot read .*sound\.h5: it is not an HDF5 file \(Unspecified error"):
+        wg.open_dataset(sound)
+
+
+def test_attributes_that_hdf5_cannot_read_are_a_line(tmp_path: Path, sound: Path) -> None:
+    data = bytearray(sound.read_bytes())
+    at = data.index(b"flag_meanings") + 16  # of the type of this attribute
+    data[at : at + 8] = b"\xff" * 8
+    path = tmp_path / "bad.h5"
+    path.write_bytes(data)
+    with h5py.File(path) as file, pytest.raises(RuntimeError):
+        dict(file["status"].attrs)
+    with pytest.raises(StorageError, match=r"cannot read .*bad\.h5: it is malformed \(.*version number"):
+        wg.open_dataset(path)
+    with pytest.raises(StorageError, match=r"cannot go on with .*bad\.h5: it is damaged"):
+        run_to_file(study(), path, Options(), resume=True)
+    for command in ("summary", "plot", "animate"):
+        result = CliRunner().invoke(app, [command, str(path)])
+        assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1
+
+
 HOLD = "import h5py, sys; f = h5py.File(sys.argv[1], 'r+'); print('held', flush=True); sys.stdin.read()"
 
 

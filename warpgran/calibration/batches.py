@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from warpgran.arrays import Array
-from warpgran.files import StorageError, replacing
+from warpgran.calibration.archive import read_arrays, write_arrays
+from warpgran.files import StorageError
 
 Predict = Callable[[Array], Array]
 """Predictions (points, data) of points (points, parameters)."""
@@ -43,9 +44,8 @@ class Batches:
         mark.write_text(identity)
         for path in sorted(folder.glob(BATCH)):
             try:
-                with path.open("rb") as file, np.load(file) as kept:
-                    theta, predictions = kept["theta"], kept["predictions"]
-            except Exception:  # whatever NumPy and zipfile make of bytes that a disk has spoiled: computed again
+                theta, predictions = read_arrays(path, "theta", "predictions")
+            except StorageError:
                 path.unlink()
             else:
                 self._learn(theta, predictions)
@@ -59,8 +59,7 @@ class Batches:
             points = theta[missing]
             predictions = self._predict(points)
             name = hashlib.sha256(points.tobytes()).hexdigest()[:16]
-            with replacing(self._folder / f"{name}.npz") as part:
-                np.savez(part, theta=points, predictions=predictions)
+            write_arrays(self._folder / f"{name}.npz", theta=points, predictions=predictions)
             self._learn(points, predictions)
         return np.array([self._known[key] for key in keys])
 

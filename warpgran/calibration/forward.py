@@ -17,6 +17,7 @@ from warpgran.case.case import Case
 from warpgran.case.problems import CaseError
 from warpgran.case.study import Study
 from warpgran.results.reading import load_dataset
+from warpgran.results.seal import seal, sealed
 from warpgran.run.options import Options
 from warpgran.run.simulate import simulate_quietly
 from warpgran.run.to_file import bring_up_to_date
@@ -129,13 +130,14 @@ class Forward:
         return np.concatenate(found)
 
     def kept(self, theta: Array, path: Path, progress: Progress = lambda done, of: None) -> tuple[Array, xr.Dataset]:
-        """The same with the runs in a result file, which is gone on with if it is there.
+        """The same with the runs in a result file, which is gone on with if it is there, and sealed when it is whole.
 
         Returns:
             The predictions and the result.
 
         Raises:
             CaseError: No point can be run.
+            StorageError: What is there is damaged.
             KeyboardInterrupt: Ctrl-C; what was computed is kept.
         """
         study, valid = self.study(theta)
@@ -146,6 +148,8 @@ class Forward:
         if not bring_up_to_date(study, path, self.options, progress=lambda done: progress(done, float(len(study)))):
             raise KeyboardInterrupt
         data = load_dataset(path)
+        if not sealed(path):
+            seal(path, ())
         self.tally.add(data, path.stat().st_mtime_ns != before)
         found = self.predictions(data, valid)
         return found, data

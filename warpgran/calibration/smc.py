@@ -33,10 +33,11 @@ from scipy.optimize import brentq
 from scipy.special import logsumexp, ndtr, ndtri
 
 from warpgran.arrays import Array
+from warpgran.calibration.archive import read_arrays, write_arrays
 from warpgran.calibration.proposals import Mixture
 from warpgran.case.distributions import Distribution
 from warpgran.errors import OptionError, ResultError
-from warpgran.files import replacing
+from warpgran.files import StorageError
 
 FORGOTTEN = 0.2
 """Correlation that the moves of a temperature may leave."""
@@ -107,6 +108,10 @@ class _State:
     walk: float = 1.0  # step of the random walk, in standard deviations
     share: float = 0.5  # of independent proposals
     steps: list[Step] = field(default_factory=list)
+
+
+_ARRAYS = ("z", "log_likelihood", "start_z", "start_log_likelihood", "log_evidence")
+"""Of a state."""
 
 
 def sample(
@@ -303,11 +308,7 @@ def _save(state: _State, path: Path, settings: dict[str, Any]) -> None:
         "numbers": [state.temperature, state.walk, state.share],
         "steps": [asdict(step) for step in state.steps],
     }
-    with replacing(path) as part, part.open("wb") as file:
-        np.savez(
-            file, words=json.dumps(words), z=state.z, log_likelihood=state.log_likelihood, start_z=state.start_z,
-            start_log_likelihood=state.start_log_likelihood, log_evidence=state.log_evidence,
-        )  # fmt: skip
+    write_arrays(path, words=json.dumps(words), **{name: getattr(state, name) for name in _ARRAYS})
 
 
 def _load(path: Path, settings: dict[str, Any]) -> _State:
@@ -317,11 +318,10 @@ def _load(path: Path, settings: dict[str, Any]) -> _State:
         OptionError: It is no checkpoint, or that of another sampling.
     """
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as kept:
-            arrays = {name: kept[name] for name in kept.files}
-        words = json.loads(str(arrays.pop("words")))
-    except Exception:  # whatever NumPy and zipfile make of bytes that a disk has spoiled
-        raise OptionError(f"{path}: is no checkpoint of the sampler; remove it to begin anew") from None
+        text, *arrays = read_arrays(path, "words", *_ARRAYS)
+    except StorageError:
+        raise OptionError(f"{path}: is no checkpoint of the sampler, or damaged; remove it to begin anew") from None
+    words = json.loads(str(text))
     other = [name for name, value in settings.items() if words["settings"].get(name) != value]
     if other:
         raise OptionError(f"{path}: is the checkpoint of another {', '.join(other)}; remove it to begin anew")
@@ -329,7 +329,7 @@ def _load(path: Path, settings: dict[str, Any]) -> _State:
     rng.bit_generator.state = words["rng"]
     temperature, walk, share = words["numbers"]
     return _State(
-        **arrays,
+        **dict(zip(_ARRAYS, arrays, strict=True)),
         rng=rng,
         temperature=temperature,
         walk=walk,

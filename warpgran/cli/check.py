@@ -40,9 +40,9 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     if fitted:
         say(f"warpgran calibrate fits {', '.join(fitted)}")
     dx = unit_of(case.dx).text(case.dx)
-    say(f"{layout.cells} cells of {dx}, t = {case.time.end:g} s, about {expected_steps(case).steps} steps")
+    say(f"{layout.cells} cells of {dx}, t = {case.time.end:g} s, about {rough(expected_steps(case).steps)} steps")
     say(f"{outputs.snapshots} snapshots and {outputs.series} samples")
-    say(f"about {cell_steps * len(study) / len(counted):.3g} cell-steps")
+    say(f"about {rough(cell_steps * len(study) / len(counted))} cell-steps")
     variant = variant_of(case, precision)
     memory = bytes_of_run(layout.cells, outputs, variant) + bytes_of_start(
         layout.cells, case.scheme.start_levels, variant
@@ -52,6 +52,11 @@ def check(file: RunFile, precision: Precision = "float64", set_: Set = None) -> 
     if len(study) > EXAMINED:
         extremes = "those with the least and the greatest values among them"
         say(f"about {EXAMINED} of {len(study)} runs were checked, {extremes}; warpgran run checks all")
+
+
+def rough(n: float) -> str:
+    """A count to two digits: an estimate of steps is some ten percent off."""
+    return f"{float(f'{n:.2g}'):g}"
 
 
 def size(n: float) -> str:

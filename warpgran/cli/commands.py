@@ -47,11 +47,12 @@ def summary(
     from warpgran.results.columns import opened_columns
 
     with opened_columns(file) as columns:
+        table = summary_columns(columns)
         print_caveats(columns)
         if csv:
             say(f"wrote {write_csv(summary(columns), csv)}")
         else:
-            print_summary(summary_columns(columns))
+            print_summary(table)
 
 
 def merge(
@@ -61,10 +62,10 @@ def merge(
 ) -> None:
     """Merge the shards of a study into one result file; exit status 1 if runs are missing."""
     from warpgran.results.merging import merge
-    from warpgran.results.reading import opened
+    from warpgran.results.reading import open_dataset
 
     merged = merge(shards, output, force=force)
-    with opened(output) as data:
+    with open_dataset(output) as data:
         print_caveats(data)
     say(f"wrote {output}, {merged.runs} runs")
     if merged.missing:

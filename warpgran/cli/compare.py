@@ -35,9 +35,9 @@ def compare(
     from warpgran.analysis.caveats import messages
     from warpgran.analysis.comparison import compare
     from warpgran.analysis.units import Lengths
-    from warpgran.results.reading import open_dataset, unspoiled
+    from warpgran.results.reading import open_dataset
 
-    with open_dataset(a) as of_a, open_dataset(b) as of_b, unspoiled(a, b):
+    with open_dataset(a) as of_a, open_dataset(b) as of_b:
         compared = compare(of_a, of_b)
         lengths = Lengths.of(of_a, of_b)
         caveats = [f"{file}: {line}" for file, data in ((a, of_a), (b, of_b)) for line in messages(data)]

@@ -45,10 +45,10 @@ def animate(
 ) -> None:
     """Animate the snapshots of a run on its slope, coloured by volume fraction, as GIF or MP4."""
     from warpgran.figures.animation import animate
-    from warpgran.results.reading import opened
+    from warpgran.results.reading import open_dataset
 
     made = output or file.with_suffix(".gif")
-    with opened(file) as data:
+    with open_dataset(file) as data:
         film = animate(data, run=run, path=made, fps=fps)
     if film.advice:
         tell(f"few snapshots: {film.advice}")

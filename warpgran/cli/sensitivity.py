@@ -64,7 +64,7 @@ def sensitivity(
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the indices.")] = True,
 ) -> None:
     """Say which parameters matter: compute the design of a run file, or read its result; indices, tables, pictures."""
-    from warpgran.results.reading import opened
+    from warpgran.results.reading import open_dataset
     from warpgran.sensitivity_analysis.indices import checked_of, indices
     from warpgran.sensitivity_analysis.table import write_dataset, write_table
 
@@ -91,7 +91,7 @@ def sensitivity(
             file, study, output, how, resume=resume, force=force, shard=shard, cluster=cluster, pictures=ends
         )
         _report(path, outcome, shard)
-    with opened(path) as data:
+    with open_dataset(path) as data:
         found = indices(data, asked, drop_failed=drop_failed)
     for line in found.attrs["notes"].splitlines():
         tell(line)
@@ -112,9 +112,9 @@ def sensitivity(
 def _report(path: Path, outcome: Outcome, shard: str | None) -> None:
     """Say what was computed; a shard and an interrupted study end the command here."""
     from warpgran.analysis.runs import status_words
-    from warpgran.results.reading import opened
+    from warpgran.results.reading import open_dataset
 
-    with opened(path) as data:
+    with open_dataset(path) as data:
         status = 130 if outcome.interrupted else exit_status(status_words(data))
     print_speed(outcome)
     if status == 130:

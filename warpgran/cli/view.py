@@ -25,19 +25,19 @@ def view(
     max_size: Annotated[str, typer.Option(metavar="SIZE", help="Largest page, as 5MB.")] = "20MB",
 ) -> None:
     """Write a page to look at results in a browser, offline: time, profiles, series, and the runs of a batch."""
-    from warpgran.results.reading import opened
+    from warpgran.results.reading import open_dataset
     from warpgran.viewer.page import view
 
     size, chosen = bytes_of(max_size, "max-size") or 0.0, numbers_of(runs, "runs")
     if repeated := [str(file) for place, file in enumerate(files) if file in files[:place]]:
         raise OptionError(f"{repeated[0]} is named twice")
     with ExitStack() as stack:
-        results = {file: stack.enter_context(opened(file)) for file in files}
+        results = {file: stack.enter_context(open_dataset(file)) for file in files}
         same = len({file.name for file in files}) < len(files)
         named = {str(file) if same else file.name: data for file, data in results.items()}
+        made = view(named, output or files[0].with_suffix(".html"), runs=chosen, max_size=size)
         for name, data in named.items():
             print_caveats(data, of=name if len(named) > 1 else "")
-        made = view(named, output or files[0].with_suffix(".html"), runs=chosen, max_size=size)
     say(f"wrote {made}, {made.stat().st_size / 1e6:.2g} MB")
     if open_:
         import webbrowser
@@ -51,9 +51,9 @@ def page_beside(path: Path) -> list[str]:
     Returns:
         The path of the page, or nothing.
     """
-    from warpgran.results.reading import opened
+    from warpgran.results.reading import open_dataset
     from warpgran.viewer.page import view
 
     made = path.with_suffix(".html")
-    with opened(path) as data:
+    with open_dataset(path) as data:
         return beside("page", made, lambda: view({path.name: data}, made))

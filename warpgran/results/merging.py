@@ -14,9 +14,10 @@ from warpgran.arrays import Array
 from warpgran.files import StorageError, replacing
 from warpgran.results.datasets import describe_as
 from warpgran.results.layout import FAILURE, now
+from warpgran.results.numbers import unspoiled
 from warpgran.results.output import result_path
 from warpgran.results.part_file import CHECKS, SPENT, Spent
-from warpgran.results.reading import pending, reading, unspoiled
+from warpgran.results.reading import pending, reading
 from warpgran.results.reserving import Reserve, bytes_of, reserving
 
 SAME = (

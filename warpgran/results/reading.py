@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ import numpy as np
 from warpgran.arrays import Array
 from warpgran.files import StorageError, check_readable
 from warpgran.results.heaps import check_heaps
+from warpgran.results.numbers import Numbers
 from warpgran.results.seal import check_seal
 from warpgran.results.soundness import check_sound
 from warpgran.schema import Status
@@ -24,50 +24,45 @@ if TYPE_CHECKING:
 
 
 def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
-    """A result file as the Dataset that `simulate` returns; arrays are read when they are used.
+    """A result file as the Dataset that `simulate` returns; arrays are read when they are used, and judged then.
 
     Args:
         path: A finished file of `warpgran run`, or one of a running or killed study (`.part`), where runs that are not
             computed yet are NaN.
 
     Raises:
-        StorageError: There is no such file, or it is not one of warpgran's, or malformed, or of another version.
+        StorageError: There is no such file, or it is not one of warpgran's, or malformed, or of another version; and,
+            where an array is used, its numbers cannot be read, or no flow has such numbers.
     """
-    import xarray as xr
-
     path = Path(path)
     with reading(path):
         pass
     try:
-        data = xr.open_dataset(path, engine="h5netcdf")
-    except Exception as error:  # whatever HDF5 makes of attributes that a disk has spoiled
+        return _labelled(path)
+    except StorageError:
+        raise
+    except Exception as error:  # whatever HDF5 makes of bytes that a disk has spoiled
         raise StorageError(f"cannot read {path}: it is malformed ({' '.join(str(error).split())})") from error
-    close = data.close  # which what is made of it below would forget
-    for values in data.variables.values():
+
+
+def _labelled(path: Path) -> xr.Dataset:
+    """The Dataset of a sound file."""
+    import xarray as xr
+
+    from warpgran.results.lazy_numbers import judged
+
+    file = xr.open_dataset(path, engine="h5netcdf", cache=False)  # what judges its numbers keeps them
+    for values in file.variables.values():
         if values.size == 0:  # HDF5 cannot select some of no numbers
             values.load()
-    texts = np.full(data.sizes["run"], data.attrs["case_toml"], dtype=object)
-    data = data.assign_coords(case_toml=("run", texts))
+    runs, waiting = file["run"].values, file["status"].values == Status.PENDING
+    found = {name: values for name, values in file.variables.items() if values.ndim and name not in file.indexes}
+    over = {name: (runs, waiting) if values.dims[0] == "run" else () for name, values in found.items()}
+    data = file.assign({name: judged(found[name], Numbers(path, str(name), *over[name])) for name in found})
     data["failure"] = data["failure"].astype(str)
-    waiting = data["status"].values == Status.PENDING
-    if waiting.any():  # numbers not written yet read as 0
-        from warpgran.results.pending_runs import without
-
-        of_runs = (name for name, values in data.items() if values.dims[:1] == ("run",) and values.dtype.kind == "f")
-        data = data.assign({name: without(data[name].variable, waiting) for name in of_runs})
-    data.set_close(close)
+    data = data.assign_coords(case_toml=("run", np.full(runs.size, data.attrs["case_toml"], dtype=object)))
+    data.set_close(file.close)
     return data
-
-
-@contextmanager
-def opened(path: Path) -> Iterator[xr.Dataset]:
-    """`open_dataset` for a block that uses the arrays: what cannot be read is reported with the name of the file.
-
-    Raises:
-        StorageError: The file cannot be read, or some of its numbers.
-    """
-    with open_dataset(path) as data, unspoiled(path):
-        yield data
 
 
 def load_dataset(path: Path) -> xr.Dataset:
@@ -76,23 +71,8 @@ def load_dataset(path: Path) -> xr.Dataset:
     Raises:
         StorageError: The file cannot be read, or some of its numbers.
     """
-    with opened(path) as data:
+    with open_dataset(path) as data:
         return data.load()
-
-
-@contextmanager
-def unspoiled(*paths: Path) -> Iterator[None]:
-    """For a block that reads numbers of one or several files: what cannot be read is reported with their names.
-
-    Raises:
-        StorageError: The library cannot make sense of what is there.
-    """
-    try:
-        yield
-    except OSError as error:
-        if error.filename is not None or error.errno in (errno.EPIPE, errno.ENOSPC):  # of what the block writes
-            raise
-        raise StorageError(f"cannot read {' or '.join(map(str, paths))}: it is damaged ({error})") from error
 
 
 @contextmanager
@@ -116,8 +96,8 @@ def _open(path: Path) -> h5py.File:
         return h5py.File(path, "r")
     except BlockingIOError:
         raise StorageError(f"cannot read {path}: it is locked, since another process is writing it") from None
-    except OSError as error:
-        said = str(error)
+    except (OSError, RuntimeError) as error:
+        said = " ".join(str(error).split())
     if "No locks available" in said or "unable to lock" in said:  # a file system without locks
         return h5py.File(path, "r", locking=False)
     if "truncated" in said:

@@ -1,4 +1,6 @@
-"""The seal of a part file: a checksum of everything in it that is not a run's, which is read without HDF5.
+"""The seal of a file: a checksum of everything in it that may not change, which is read without HDF5.
+
+In a part file that is all but what runs write; a calibration seals the whole of its finished files.
 
 HDF5 believes a structure that a disk has spoiled, and may follow it for minutes; so the seal is checked before. It
 stands behind the end of the file that HDF5 knows, where HDF5 neither reads nor writes: beginning and end of each range
@@ -29,6 +31,13 @@ def seal(path: Path, ranges: Sequence[tuple[int, int]]) -> None:
         file.write(foot)
         file.flush()
         file.write(_checksum(file.fileno(), ranges, file.tell()) + _MARK)
+
+
+def sealed(path: Path) -> bool:
+    """Whether a file has a seal, broken or not."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - len(_MARK)))
+        return file.read() == _MARK
 
 
 def check_seal(path: Path) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from warpgran.arrays import Array
 from warpgran.files import StorageError
+from warpgran.results.numbers import absurd
 from warpgran.schema import COORDINATES, FIELDS, GRID, PER_RUN, SCHEMA_VERSION, SERIES, Status, Variable, is_key
 
 TEXTS = (
@@ -76,6 +77,8 @@ def _fault(file: h5py.File, size: int) -> str:
     dimensions = {name: COORDINATES[name] for name in ("run", "time", "series_time", along)}
     variables = {**dimensions, **GRID, **FIELDS, **SERIES, **PER_RUN}
     found = {name: file[name] for name in file}  # once, since HDF5 takes long to look for a name
+    for item in (file, *found.values()):
+        dict(item.attrs)  # which HDF5 cannot read where its structure is spoiled, now or when they are used
     variables |= {name: Variable(("run",), "", "") for name in found if is_key(name)}
     for name, variable in variables.items():
         padded = along == "cell" and name not in dimensions
@@ -147,8 +150,11 @@ def _wrong_values(file: h5py.File, along: str) -> str:
         return "status has an unknown code"
     increasing = ["run", "time", "series_time", *(["x"] if along == "x" else [])]
     for name in increasing:
-        if not _increases(file[name][:]):
+        values = file[name][:]
+        if not _increases(values):
             return f"{name} does not increase"
+        if wrong := absurd(name, values):
+            return wrong
     return "" if file["run"].size and file[along].size else "it has no runs or no cells"
 
 
