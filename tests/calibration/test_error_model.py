@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import kstest, multivariate_normal
 
-from warpgran.calibration.error_model import LEAST_SHAPE, NOISE, ErrorModel, KindErrors
+from warpgran.calibration.error_model import LEAST_SHAPE, NOISE, WORTH, ErrorModel, KindErrors
 from warpgran.calibration.experiments import Experiment, Experiments, Observed
 from warpgran.case.case import Case
 
@@ -72,6 +72,13 @@ def test_draws_of_an_inferred_noise_follow_its_posterior() -> None:
     assert named["noise"].mean() == pytest.approx(0.05, rel=0.05)
     assert named["noise"].std() == pytest.approx(0.05 / np.sqrt(2 * n), rel=0.5)
     assert np.median(named["model_error"]) < 0.02  # there is none
+
+
+def test_the_prior_of_an_inferred_noise_counts_beside_few_measurements() -> None:
+    errors = KindErrors("profiles", parts(False), np.concatenate([VALUE, VALUE[:3] / 2]), GRID, 0.01, 0.3)
+    drawn = errors.draw(np.tile(RESIDUALS[0], (20_000, 1)), np.random.default_rng(1))
+    squares = errors.by_node(RESIDUALS[:1])[1][0, drawn.node] + WORTH * (NOISE * errors.scale) ** 2
+    assert (squares / drawn.noise**2).mean() == pytest.approx(9.0 + WORTH, rel=0.01)  # a chi-square of so many
 
 
 def test_replicated_errors_have_the_covariance_of_the_model() -> None:
