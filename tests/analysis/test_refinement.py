@@ -29,7 +29,16 @@ def test_cells_for_one_percent() -> None:
     assert refined(1.0, 1.02, 1.0, 1.0).enough() == 400  # good by chance on the coarsest
 
 
-@pytest.mark.parametrize("values", [(1.0, 1.1, 1.2, 1.3), (1.0, 1.1, 1.0, 1.1), (1.0, 1.1, 1.3, 1.7)])
+NO_LIMIT = [
+    (1.0, 1.1, 1.2, 1.3),
+    (1.0, 1.1, 1.0, 1.1),
+    (1.0, 1.1, 1.3, 1.7),
+    (1.0, 1.5, 1.9, 1.95),  # falls like an order of 3, by chance
+    (1.0, 1.1, 1.185, 1.25),  # of an order of 0.4
+]
+
+
+@pytest.mark.parametrize("values", NO_LIMIT)
 def test_what_shows_no_limit_is_given_none(values: tuple[float, ...]) -> None:
     found = refined(*values)
     assert np.isnan(found.order)
