@@ -32,9 +32,43 @@ def test_a_bar_keeps_to_the_terminal() -> None:
     os.close(keyboard)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="opens a pseudo-terminal")
+def test_a_long_title_leaves_room_for_the_bar_and_the_amount() -> None:
+    keyboard, screen = os.openpty()
+    code = CODE.replace("half of it", "Slope and packing of a column, and much more of it " * 3)
+    narrow = {**os.environ, "COLUMNS": "80", "TERM": "xterm"}
+    subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=screen, env=narrow, check=True)
+    os.close(screen)
+    shown = os.read(keyboard, 65_536)
+    assert b"1 of 2 runs" in shown and shown.count("\u2501".encode()) > 10
+    os.close(keyboard)
+
+
 def test_without_a_terminal_there_is_no_bar() -> None:
     done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("printed meanwhile\n", "")
+
+
+TABLE = """
+from rich.table import Table
+from warpgran.cli.terminal import print_whole
+table = Table(*("a heading" for _ in range(20)))
+table.add_row(*("-1.234567890" for _ in range(20)))
+print_whole(table)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="opens a pseudo-terminal")
+def test_a_narrow_terminal_cuts_no_number() -> None:
+    keyboard, screen = os.openpty()
+    for out in (screen, subprocess.PIPE):
+        narrow = {**os.environ, "COLUMNS": "60", "TERM": "xterm"}
+        done = subprocess.run([sys.executable, "-c", TABLE], stdout=out, env=narrow, check=True)
+        printed = (done.stdout or os.read(keyboard, 65_536)).decode()
+        assert printed.count("-1.234567890") == 20
+        assert "\u2026" not in printed
+    os.close(screen)
+    os.close(keyboard)
 
 
 TITLE = 'title = "\\u001b[31m[/red] :smile: $x_{\\u0007 \\u009b2J"\n'

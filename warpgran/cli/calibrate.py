@@ -8,14 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from warpgran.cli.arguments import Devices, Precision, RunFile, Set
-from warpgran.cli.terminal import progress_bar, say, stdout, tell
+from warpgran.cli.terminal import print_whole, progress_bar, say, tell
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.table import Table
-
-WIDTH = 120
-"""Characters of the table where standard output is no terminal."""
 
 
 def calibrate(
@@ -54,7 +51,7 @@ def calibrate(
         raise typer.Exit(130) from None
     if study.base.title:
         say(study.base.title)
-    stdout(WIDTH).print(_table(found.table()))
+    print_whole(_table(found.table()))
     for line in found.told():
         say(line)
     for path in found.write():

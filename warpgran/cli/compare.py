@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from warpgran.cli.report import WIDTH
-from warpgran.cli.terminal import say, stdout, tell
+from warpgran.cli.terminal import print_whole, say, tell
 from warpgran.printable import printable
 
 if TYPE_CHECKING:
@@ -108,7 +107,7 @@ def _say_what_differs(compared: Compared) -> None:
 
 def _print(table: Table) -> None:
     say("")
-    stdout(WIDTH).print(table)
+    print_whole(table)
 
 
 def _table(first: str, *others: str) -> Table:

@@ -9,15 +9,12 @@ import typer
 
 from warpgran.cli.arguments import Device, Precision, RunFile, Set
 from warpgran.cli.report import warn_of
-from warpgran.cli.terminal import read, say, stdout
+from warpgran.cli.terminal import print_whole, read, say
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from warpgran.studies.converge import Convergence
-
-WIDTH = 150
-"""Characters of the table where standard output is no terminal."""
 
 
 def converge(
@@ -54,7 +51,7 @@ def converge(
     found = converge(study.base, levels=levels, options=Options(device, precision))
     if study.base.title:
         say(study.base.title)
-    stdout(WIDTH).print(_table(found))
+    print_whole(_table(found))
     say(found.verdict())
     found.plot(path)
     written = [str(path)]

@@ -23,7 +23,7 @@ from warpgran.cli.arguments import (
 )
 from warpgran.cli.computing import compute_file, exit_status
 from warpgran.cli.report import print_speed
-from warpgran.cli.terminal import read, say, stdout, tell
+from warpgran.cli.terminal import print_whole, read, say, tell
 from warpgran.errors import OptionError
 
 if TYPE_CHECKING:
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 
     from warpgran.run.outcome import Outcome
 
-WIDTH = 110
-"""Characters of the table where standard output is no terminal."""
 RESULTS = (".h5", ".hdf5", ".nc")
 """Suffixes of result files; any other file is a run file."""
 
@@ -97,7 +95,7 @@ def sensitivity(
         tell(line)
     if found.attrs.get("title"):
         say(found.attrs["title"])
-    stdout(WIDTH).print(_table(found))
+    print_whole(_table(found))
     stem = path.with_suffix("")
     tables = stem.with_name(f"{stem.name}_indices")
     written = [write_dataset(found, tables.with_suffix(".nc")), write_table(found, tables.with_suffix(".csv"))]

@@ -18,6 +18,7 @@ from warpgran.printable import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
 
     from warpgran.case.study import Study
     from warpgran.run.outcome import Progress
@@ -81,3 +82,12 @@ def stdout(width: int) -> Console:
 
     terminal = Console(markup=False, emoji=False, highlight=False)
     return terminal if terminal.is_terminal else Console(width=width, markup=False, emoji=False, highlight=False)
+
+
+def print_whole(table: Table) -> None:
+    """A table with each name and number to its last character: a terminal that is narrower breaks the lines."""
+    from rich.console import Console
+
+    console = Console(width=10_000, markup=False, emoji=False, highlight=False)
+    console.width = console.measure(table).maximum
+    console.print(table)

@@ -30,8 +30,10 @@ def bar(amount: str = RUNS, total: float = 1.0) -> Iterator[Show]:
     """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.table import Column
 
-    words = TextColumn("{task.description}", markup=False)  # a title may hold brackets
+    # A title may hold brackets, and be so long that the bar had no room beside it.
+    words = TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, max_width=36))
     columns = (words, BarColumn(), TextColumn(amount), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), redirect_stdout=sys.stdout.isatty()) as shown:
         task = shown.add_task("preparing kernels", total=total)
