@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner, Result
@@ -19,6 +20,7 @@ from warpgran.case import read_study
 from warpgran.case.case import Case
 from warpgran.cli.app import app
 from warpgran.cli.arguments import bytes_of
+from warpgran.figures import animation
 from warpgran.schema import Status
 from warpgran.solve.expected_steps import expected_steps
 
@@ -91,6 +93,13 @@ def test_plot_and_animate(folder: Path) -> None:
     assert warpgran("plot", "quick.h5", "-o", "p.svg").stdout == "wrote p.svg\n"
     assert warpgran("animate", "quick.h5").stdout == "wrote quick.gif\n"
     assert names(folder) == ["p.svg", "quick.gif", "quick.h5", "quick.toml"]
+
+
+def test_a_picture_of_one_run_does_not_replace_that_of_all(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    warpgran("run", "quick.toml", "--no-picture")
+    monkeypatch.setattr(animation, "animate", lambda *data, **how: SimpleNamespace(advice=""))
+    for command, wanted in (("plot", "quick_run0.png"), ("animate", "quick_run0.gif")):
+        assert warpgran(command, "quick.h5", "--run", "0").stdout == f"wrote {wanted}\n"
 
 
 def test_check_says_what_a_run_asks_for(folder: Path) -> None:
@@ -249,7 +258,7 @@ def test_what_a_user_can_cause_is_reported_in_a_line(
 
 @pytest.mark.parametrize(
     ("error", "words"),
-    [(MemoryError(), "out of memory"), (OSError(5, "it is broken", "disk"), "[Errno 5] it is broken: 'disk'")],
+    [(MemoryError(), "out of memory"), (OSError(5, "it is broken", "disk"), "cannot use disk: it is broken")],
 )
 def test_so_is_what_the_system_refuses(
     folder: Path, monkeypatch: pytest.MonkeyPatch, error: Exception, words: str

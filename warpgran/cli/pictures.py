@@ -26,7 +26,7 @@ def plot(
     from warpgran.figures.plot import plot
     from warpgran.results.columns import opened_columns
 
-    made = output or files[0].with_name("_".join(file.stem for file in files) + ".png")
+    made = output or _beside(files, run, ".png")
     with ExitStack() as stack:
         results = [stack.enter_context(opened_columns(file)) for file in files]
         plot(*results, run=run, path=made)
@@ -38,7 +38,7 @@ def plot(
 def animate(
     file: ResultFile,
     output: Picture = None,
-    run: Annotated[int, typer.Option("--run", min=0, help="Which run of the file.")] = 0,
+    run: Annotated[int | None, typer.Option("--run", min=0, help="Which run of the file; default: 0.")] = None,
     fps: Annotated[
         int | None, typer.Option(min=1, max=60, help="Snapshots per second; default: so that it takes about 5 s.")
     ] = None,
@@ -47,12 +47,18 @@ def animate(
     from warpgran.figures.animation import animate
     from warpgran.results.reading import open_dataset
 
-    made = output or file.with_suffix(".gif")
+    made = output or _beside([file], run, ".gif")
     with open_dataset(file) as data:
-        film = animate(data, run=run, path=made, fps=fps)
+        film = animate(data, run=run or 0, path=made, fps=fps)
     if film.advice:
         tell(f"few snapshots: {film.advice}")
     say(f"wrote {made}")
+
+
+def _beside(files: list[Path], run: int | None, suffix: str) -> Path:
+    """Where a picture goes by default: that of one run not over that of all."""
+    chosen = "" if run is None else f"_run{run}"
+    return files[0].with_name("_".join(file.stem for file in files) + chosen + suffix)
 
 
 def beside(what: str, path: Path, write: Callable[[], object]) -> list[str]:

@@ -53,7 +53,7 @@ def draw_overlay(results: Sequence[RunColumns], run: int | None, labels: Sequenc
     if len(places) > MAX_RUNS:
         raise ResultError(
             f"{len(places)} runs are too many to tell apart, {MAX_RUNS} can be drawn over each other: choose one of "
-            "each result by its number, as run 0"
+            "each result by its number (--run 0, in Python run=0)"
         )
     if labels is not None and len(labels) != len(results):
         raise ResultError(f"{len(labels)} labels do not name {len(results)} results")
