@@ -64,6 +64,12 @@ def test_the_run_files_here_are_likely(path: Path) -> None:
             "slope.angle: -0.38 is less than a degree; likely: degrees, and -0.38 radians are -21.8",
         ),
         (
+            {"rheology.mu1": 0.9, "rheology.mu2": 2.0},
+            {"rheology.mu1": 25.6, "rheology.mu2": 36.0},
+            "rheology.mu1: 25.6 is the friction of no grains; likely: a coefficient below 1, "
+            "and the tangent of 25.6 degrees is 0.479",
+        ),
+        (
             {"column.height": 0.6},
             {"column.height": 0.61},
             "column.height: 0.61 is tall for a length of 0.2 m: the model is shallow",
@@ -100,6 +106,9 @@ def test_a_batch_is_told_once() -> None:
     (line,) = unlikely(Case().sweep({"slope.angle": [0.1, 0.2]}))
     assert line.endswith("(all 2 runs)")
     assert unlikely(Case().sweep({"slope.angle": [0.1, 0.2, 3.0]})) == []
+    assert unlikely(Case().sweep({"slope.angle": [0.0, 0.2, 3.0]})) == []
+    (line,) = unlikely(Case().sweep({"slope.angle": [0.0, 0.17, 0.38]}))
+    assert line.startswith("slope.angle: 0.17 is less than a degree")
 
 
 def test_of_a_large_study_the_ends_and_some_runs_between_are_examined() -> None:

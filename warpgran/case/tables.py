@@ -21,6 +21,8 @@ from warpgran.errors import WarpgranError
 from warpgran.files import read_text
 
 _MOST_MESSAGES = 10
+SEPARATORS = {";": "semicolons", "\t": "tabs"}
+"""Of spreadsheets, which separate columns by what the language of the machine has."""
 
 
 class TableError(WarpgranError, ValueError):
@@ -202,6 +204,9 @@ def read_columns(
         (first, header), *rows = [(number, next(csv.reader([line]))) for number, line in lines]
     except csv.Error as error:
         raise TableError([f"{path}: is not a CSV file: {error}"]) from None
+    for mark, word in SEPARATORS.items():
+        if mark in lines[0][1]:
+            raise TableError([f"{path}:{first}: is separated by {word}; allowed: commas, and points in numbers"])
     names = [name.strip() for name in header]
     _check_names(names, needed, optional, f"{path}:{first}")
     messages = []
@@ -210,10 +215,11 @@ def read_columns(
     for number, row in rows:
         place = f"{path}:{number}"
         if len(row) != len(names):
-            messages.append(f"{place}: has {len(row)} values; allowed: {len(names)} ({','.join(names)})")
+            commas = "; a decimal comma is none, write a point" if len(row) == 2 * len(names) else ""
+            messages.append(f"{place}: has {len(row)} values; allowed: {len(names)} ({','.join(names)}){commas}")
             continue
         wrong = [cell for cell in row if not _is_number(cell)]
-        messages += [f'{place}: "{cell.strip()[:60]}" is not a number' for cell in wrong]
+        messages += [f'{place}: "{cell.strip()[:60]}" is not a number{_point(cell)}' for cell in wrong]
         if not wrong:
             values.append([float(cell) for cell in row])
             places.append(place)
@@ -229,6 +235,11 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return False
     return "_" not in cell  # float() takes 1_000
+
+
+def _point(cell: str) -> str:
+    """What is allowed in place of a decimal comma."""
+    return f"; allowed: {cell.strip().replace(',', '.')}" if _is_number(cell.replace(",", ".")) else ""
 
 
 def _faults(columns: Mapping[str, Array], places: Sequence[str], table: str) -> list[str]:

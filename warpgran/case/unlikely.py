@@ -27,6 +27,8 @@ UPRIGHT = 5
 good to a tenth."""
 TALLEST = 3.0
 """Largest height of a column over the length that spreads to one side."""
+ROUGHEST = 2.0
+"""Friction coefficient, the tangent of 63 degrees: that of grains is below 1."""
 EXAMINED = 1000
 """Most runs of a study that are examined."""
 
@@ -47,7 +49,8 @@ def unlikely(study: Study) -> list[str]:
             if problem is not None:
                 first.setdefault(check, (run, problem))
                 times[check] += 1
-    if times[_radians] < len(runs):  # a sweep across zero
+    flat = sum(study[run].slope.angle == 0.0 for run in runs) if _radians in first else 0
+    if times[_radians] + flat < len(runs):  # a sweep across zero
         first.pop(_radians, None)
     return [f"{problem}{_counted(study, run, times[check], len(runs))}" for check, (run, problem) in first.items()]
 
@@ -149,6 +152,16 @@ def _radians(case: Case) -> Problem | None:
     return Problem("slope.angle", message)
 
 
+def _friction_angle(case: Case) -> Problem | None:
+    for key in ("mu1", "mu2", "mu_wall"):
+        mu = getattr(case.rheology, key)
+        if mu > ROUGHEST:
+            angle = f", and the tangent of {mu:g} degrees is {math.tan(math.radians(mu)):.3g}" if mu < 80.0 else ""
+            message = f"{mu:g} is the friction of no grains; likely: a coefficient below 1{angle}"
+            return Problem(f"rheology.{key}", message)
+    return None
+
+
 def _tall_column(case: Case) -> Problem | None:
     body = _Body.of(case)
     if body.sides == 0 or body.height <= TALLEST * body.length / body.sides:
@@ -174,6 +187,7 @@ CHECKS: tuple[Callable[[Case], Problem | None], ...] = (
     _coarse_grains,
     _few_cells,
     _radians,
+    _friction_angle,
     _tall_column,
     _low_step_limit,
 )
