@@ -54,6 +54,7 @@ def test_a_flow_that_had_not_stopped_is_told() -> None:
     data["front"][:] = np.linspace(0.0, 0.5, 100) ** 2
     assert messages(data) == [f"{said}, and grew by 17 % in the last tenth of the time"]
     assert messages(data.drop_vars("front")) == [said]
+    assert messages(losing(data, _0=0.23))[1:] == [said]  # at the end of the grid its front is stuck
 
 
 def test_a_column_that_never_moved_and_a_periodic_flow_need_no_words() -> None:

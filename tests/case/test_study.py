@@ -109,6 +109,9 @@ def test_a_study_of_given_cases() -> None:
     assert Study.of([base, profiled]).keys == ()  # what has no part in one of them is no value
     with pytest.raises(ValueError, match="at least one case"):
         Study.of([])
+    for wrong in ("dense.toml", [base, "dense.toml"], [None]):
+        with pytest.raises(CaseError, match=r"not cases; .* warpgran\.read_study\(path\) reads a run file"):
+            Study.of(wrong)  # type: ignore[arg-type]
 
 
 def test_a_study_holds_no_cases() -> None:

@@ -74,8 +74,9 @@ def test_runs_and_sizes_are_checked(folder: Path) -> None:
     warpgran("run", "quick.toml", "--no-picture")
     result = warpgran("view", "quick.h5", "--max-size", "ten")
     assert result.exit_code == 2 and "max-size: 'ten' is not a size" in result.stderr
-    result = warpgran("view", "quick.h5", "--runs", "3")
-    assert result.exit_code == 2 and "runs: none of 3 is in the results" in result.stderr
+    for numbers, words in (("3", "runs: 3 is in no result"), ("0,3-9", "runs: 3, 4, 5, 6, 7, ... are in no result")):
+        result = warpgran("view", "quick.h5", "--runs", numbers)
+        assert result.exit_code == 2 and words in result.stderr
 
 
 def test_the_page_is_opened_when_asked(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

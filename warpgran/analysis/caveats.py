@@ -120,8 +120,9 @@ def _moving(data: RunColumns, moving: Array) -> list[str]:
         return _counted(data, moving, "had not stopped", fastest, "are not final")
     if not moving[0]:
         return []
+    grown = "" if caveats(data)["left_grid"][0] else _growth(data)  # at the end of the grid a front goes no further
     at = f"{speed[0]:.2g} m/s at t = {data.values['end_time'][0]:.4g} s"
-    return [f"{_name(data, 0)} had not stopped at the end ({at}): its run-out is not final{_growth(data)}"]
+    return [f"{_name(data, 0)} had not stopped at the end ({at}): its run-out is not final{grown}"]
 
 
 def _growth(data: RunColumns) -> str:

@@ -17,7 +17,7 @@ from warpgran.case.defaults import FOLLOWS, default
 from warpgran.case.identity import identity
 from warpgran.case.notebook import study_table
 from warpgran.case.overrides import without_notes
-from warpgran.case.problems import CaseError, Problem
+from warpgran.case.problems import CaseError, Problem, shown
 from warpgran.case.sweep_section import KINDS
 
 if TYPE_CHECKING:  # at run time a study asks a case for no more than its values
@@ -63,12 +63,15 @@ class Study(Sequence["Case"]):
         Its keys are those of single values in which the cases differ, without those that follow another by default.
 
         Raises:
-            CaseError: There is no case.
+            CaseError: There is no case, or what is no case.
         """
         if isinstance(cases, Study):
             return cases
         if not cases:
             raise CaseError([Problem("", "a study needs at least one case")])
+        if isinstance(cases, str) or not all(hasattr(case, "flat") for case in cases):
+            what = "warpgran.read_study(path) reads a run file"
+            raise CaseError([Problem("", f"{shown(cases)} are not cases; allowed: a Case, a Study or a list; {what}")])
         flats = [case.flat() for case in cases]
         differ = [key for key in KINDS if any(flat[key] != flats[0][key] for flat in flats)]
         simple = [key for key in differ if all(flat[key] is not None for flat in flats)]

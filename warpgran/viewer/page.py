@@ -104,8 +104,9 @@ def view(
     path = checked(path, (".html",))
     named = {"": results} if isinstance(results, xr.Dataset) else dict(results)
     chosen = {printable(name): _chosen(data, runs) for name, data in named.items()}
-    if not sum(data.sizes["run"] for data in chosen.values()):
-        raise OptionError(f"runs: none of {_few(runs or ())} is in the results")
+    there = np.concatenate([data["run"].values for data in chosen.values()])
+    if absent := [run for run in runs or () if run not in there]:
+        raise OptionError(f"runs: {_few(absent)} {'is' if len(absent) == 1 else 'are'} in no result")
     everything = View(
         {name: _spread(data, MOST_ROWS // len(chosen)) for name, data in chosen.items()},
         runs=sum(data.sizes["run"] for data in chosen.values()),
