@@ -179,7 +179,9 @@ def test_a_bed_far_higher_than_the_mass_leaves_the_thickness_an_axis_of_its_own(
     data["bed"] = "x", 400.0 * np.exp(-data["x"].values)
     figure = page(data)
     on_bed, thickness = figure.axes[-1], figure.axes[0]
-    assert on_bed.get_ylabel() == "bed $b$, surface\n$b + h$ (m)"
+    assert on_bed.get_ylabel() == "bed $b$, $b + h$ (m)"
+    figure.canvas.draw()
+    assert on_bed.yaxis.label.get_window_extent().x0 > 0.0  # on the page
     assert thickness.get_ylim()[1] < 30.0  # cm
     bed = np.asarray(on_bed.lines[-1].get_ydata())
     surfaces = [np.asarray(line.get_ydata()) for line in on_bed.lines[:-1]]

@@ -84,7 +84,7 @@ def draw_run(data: RunColumns, run: int) -> Sheet:
     letter(ordered)
     for ax in axes.flat:
         ax.locator_params(axis="x", nbins=7)
-    place_labels(axes.flat)
+    place_labels(ordered)
     figure.suptitle(title, fontsize=9, y=1 - 0.08 / height, linespacing=1.4)
     return figure
 
@@ -119,7 +119,7 @@ def _draw_on_bed(one: OneRun, ax: Axes, lengths: Lengths) -> None:
     ax.plot(x, up.factor * bed, color="0.3", linewidth=0.8, zorder=3)
     low, high = ax.get_ylim()
     ax.fill_between(x, up.factor * bed, low, color="0.88", linewidth=0.0, zorder=2.5)
-    ax.set(xlim=x[[0, -1]], ylim=(low, high), ylabel=f"bed $b$, surface\n$b + h$ ({up.name})")
+    ax.set(xlim=x[[0, -1]], ylim=(low, high), ylabel=f"bed $b$, $b + h$ ({up.name})")
 
 
 def _draw_profiles(one: OneRun, axes: list[Axes], lengths: Lengths) -> None:
