@@ -43,8 +43,9 @@ class Reporting(TyperGroup):
             by_user = isinstance(error, WarpgranError | MemoryError) or error.filename
             if ctx.params["debug"] or not by_user:
                 raise
-            of_the_system = isinstance(error, OSError) and not isinstance(error, WarpgranError)
-            said = f"cannot use {error.filename}: {error.strerror}" if of_the_system else str(error)
+            said = str(error)
+            if isinstance(error, OSError) and not isinstance(error, WarpgranError):
+                said = f"cannot use {error.filename}: {error.strerror}"
             for line in (said or "out of memory").split("\n"):
                 tell(line)
             raise typer.Exit(2) from None
