@@ -60,6 +60,12 @@ def test_table_leaves_out_the_runs_in_the_middle(limit: int, first: int, last: i
     assert lines[-1] == f"{50 - limit} of 50 runs are left out"
 
 
+def test_rounding_below_zero_is_no_negative_zero() -> None:
+    frame = summary(batch(slope__angle=np.arange(2.0)))
+    frame["dilation_max"] = -7.8e-16
+    assert printed(frame)[2].split()[-3] == "+0.00"
+
+
 @pytest.mark.parametrize("width", [80, 100])
 def test_table_fits_and_names_what_it_leaves_out(width: int) -> None:
     keys: dict[str, Any] = {f"rheology__key_{n}": np.linspace(0.1234, 9.0, 3) for n in range(8)}

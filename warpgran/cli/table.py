@@ -36,7 +36,7 @@ MARKS = {  # of run-out and front, by the caveat of the run; the first that it h
 MARKED = ("run_out", "front")
 
 
-DIGITS = {"km": ".3f", "m": ".3f", "cm": ".2f", "mm": ".2f", "%": "+.2f"}
+DIGITS = {"km": ".3f", "m": ".3f", "cm": ".2f", "mm": ".2f", "%": "+z.2f"}
 
 
 def rich_table(frame: pd.DataFrame | Mapping[str, Any], limit: int = 40, *, width: int = 100) -> Table:
