@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +69,18 @@ def test_a_stop_time_is_compared_where_every_run_stops() -> None:
     times = {"time.end": 1.0, "time.snapshots": [1.0], "time.series": {"every": 0.01}}
     case = small(**{**CHANGES, **times, "slope.angle": 0.0})
     assert "stop time" in [quantity.name for quantity in converge(case).quantities]
+
+
+def test_a_limit_that_is_none_of_the_collapse_is_told_with_its_reserve(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = "3 of 3 runs left the grid (0, 1, 2; up to "
+    with pytest.warns(wg.CaveatWarning, match=re.escape(told)):
+        found = converge(small(**CHANGES, **{"grid.right": 0.1}))
+    assert told in found.reserves[0]
+    done = run(tmp_path, monkeypatch, text=RUN_FILE.replace("right = 0.6", "right = 0.1"))
+    assert done.exit_code == 0 and f"warpgran: {told}" in done.stderr
+    assert "CaveatWarning" not in done.output
 
 
 def test_what_cannot_be_refined_is_refused() -> None:

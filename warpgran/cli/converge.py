@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +10,7 @@ import typer
 
 from warpgran.cli.arguments import Device, Precision, RunFile, Set
 from warpgran.cli.report import warn_of
-from warpgran.cli.terminal import print_whole, read, say
+from warpgran.cli.terminal import print_whole, read, say, tell
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -30,7 +31,7 @@ def converge(
     set_: Set = None,
 ) -> None:
     """Measure how fine a grid must be: a run on half, the same and twice the cells, orders, limits and errors."""
-    from warpgran.errors import OptionError
+    from warpgran.errors import CaveatWarning, OptionError
     from warpgran.figures.style import PLOT_SUFFIXES, checked
     from warpgran.files import MARK, check_ours, check_place, replacing
     from warpgran.run.options import Options
@@ -48,7 +49,11 @@ def converge(
         check_ours(target, mark)
     start_quietly()
     find_device(device)
-    found = converge(study.base, levels=levels, options=Options(device, precision))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CaveatWarning)  # told below
+        found = converge(study.base, levels=levels, options=Options(device, precision))
+    for line in found.reserves:
+        tell(line)
     if study.base.title:
         say(study.base.title)
     print_whole(_table(found))

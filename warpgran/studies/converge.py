@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,12 +12,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from warpgran.analysis.caveats import messages
 from warpgran.analysis.refinement import Refined
 from warpgran.analysis.runs import status_words
 from warpgran.analysis.summary import summary
 from warpgran.case.case import Case
 from warpgran.case.problems import CaseError, Problem
-from warpgran.errors import OptionError, ResultError
+from warpgran.errors import CaveatWarning, OptionError, ResultError
 from warpgran.run.options import Options
 from warpgran.run.simulate import simulate_quietly
 from warpgran.schema import CLEAN
@@ -37,10 +39,12 @@ class Convergence:
     Attributes:
         case: On the user's own grid, the second.
         quantities: What was compared.
+        reserves: What it must not be read without: runs that lost solid or had not stopped.
     """
 
     case: Case
     quantities: tuple[Refined, ...]
+    reserves: tuple[str, ...] = ()
 
     @property
     def cells(self) -> tuple[int, ...]:
@@ -110,6 +114,9 @@ def converge(case: Case, *, levels: int = 3, options: Options | None = None) -> 
     Returns:
         Front, greatest height, dilation and other results on all grids, with orders and limits.
 
+    Warns:
+        CaveatWarning: Runs lost solid through an end of the grid, or had not stopped.
+
     Raises:
         OptionError: Another number of levels.
         CaseError: The case cannot be run on one of the grids.
@@ -134,7 +141,10 @@ def converge(case: Case, *, levels: int = 3, options: Options | None = None) -> 
     unfinished = [f"{n} cells: {word}" for n, word in zip(grids, status_words(data), strict=True) if word not in CLEAN]
     if unfinished:
         raise ResultError(f"cannot compare runs that did not reach their end ({', '.join(unfinished)})")
-    return Convergence(case, tuple(_quantities(data, grids)))
+    reserves = tuple(messages(data))
+    for line in reserves:
+        warnings.warn(line, CaveatWarning, stacklevel=2)
+    return Convergence(case, tuple(_quantities(data, grids)), reserves)
 
 
 def _quantities(data: xr.Dataset, cells: tuple[int, ...]) -> list[Refined]:
