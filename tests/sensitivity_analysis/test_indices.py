@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -92,6 +93,13 @@ def test_the_table_has_a_row_for_each_time_and_parameter(found: xr.Dataset, tmp_
 def test_the_file_holds_what_there_is(found: xr.Dataset, tmp_path: Path) -> None:
     with xr.open_dataset(write_dataset(found, tmp_path / "a.nc"), engine="h5netcdf") as again:
         xr.testing.assert_identical(again.load(), found)
+
+
+def test_a_file_of_somebody_else_is_not_replaced(found: xr.Dataset, tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.nc", "w") as file:
+        file["gone"] = h5py.SoftLink("/nowhere")
+    with pytest.raises(wg.StorageError, match=r"a\.nc: what is there was not written by warpgran; remove it first"):
+        write_dataset(found, tmp_path / "a.nc")
 
 
 def test_from_a_case_to_indices() -> None:
