@@ -21,7 +21,7 @@ from warpgran.cli.app import app
 from warpgran.files import StorageError
 from warpgran.paper import claims_coefficients, claims_dilatancy, claims_motion, claims_regime, claims_scheme, panels
 from warpgran.paper.catalogue import CLAIMS, PICTURES, chosen
-from warpgran.paper.claim import Claim
+from warpgran.paper.claim import Claim, Finding
 from warpgran.paper.laboratory import read_laboratory
 from warpgran.paper.measures import front_of, mass, rise, slow_regime
 from warpgran.paper.remarks import OURS, REMARKS
@@ -85,6 +85,12 @@ def verdict(claim: Claim, make: Callable[..., xr.Dataset]) -> bool | None:
 
 
 # Claims
+
+
+@pytest.mark.parametrize(("value", "holds"), [("0.2 m", True), ("nan m", None), ("0: 0.1, 22: nan %", None)])
+def test_a_number_that_is_missing_decides_nothing(value: str, holds: bool | None) -> None:
+    claim = Claim("reach", "4", (), "It reaches far.", "", "How far.", lambda results: Finding(value, True))
+    assert verdict(claim, lambda name, **where: profile(0.1)) is holds
 
 
 @pytest.mark.parametrize(
