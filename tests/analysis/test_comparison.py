@@ -60,6 +60,15 @@ def test_minus_zero_is_another_zero() -> None:
     assert row(compared, "h").difference == 0.0
 
 
+def test_a_key_with_the_same_values_in_other_runs_differs() -> None:
+    a, b = (at_angles(0.0, 10.0).assign_coords({"column.phi": ("run", phi)}) for phi in ([0.55, 0.62], [0.62, 0.55]))
+    compared = compare(a, b)
+    assert compared.parameters.loc["column.phi"].tolist() == [
+        "2 values, 0.55 to 0.62", "2 values, 0.55 to 0.62, in other runs"
+    ]  # fmt: skip
+    assert list(compared.parameters.index) == ["column.phi"]
+
+
 def test_the_largest_difference_is_where_and_when_it_is() -> None:
     a, b = collapse(), collapse()
     h, front = b["h"].values.copy(), b["front"].values.copy()

@@ -188,8 +188,10 @@ def _differing(of_a: Parameters, of_b: Parameters, pairs: Pairs) -> pd.DataFrame
     found = {}
     for key in dict.fromkeys([*of_a, *of_b]):
         a, b = (of.get(key, [None] * len(next(iter(of.values()), []))) for of in (of_a, of_b))
-        if set(a) != set(b) or any(a[i] != b[j] for i, j in pairs):
+        if set(a) != set(b):
             found[key] = _value(a), _value(b)
+        elif any(a[i] != b[j] for i, j in pairs):
+            found[key] = _value(a), f"{_value(b)}, in other runs"
     return _frame(found)
 
 
