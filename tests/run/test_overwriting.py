@@ -16,11 +16,13 @@ from warpgran.case.read_study import read_study
 from warpgran.case.study import Study
 from warpgran.cli.app import app
 from warpgran.files import StorageError
+from warpgran.results.layout import Layout
 from warpgran.results.merging import merge
 from warpgran.results.part_file import part_of
 from warpgran.run import threads
 from warpgran.run.options import Options
-from warpgran.run.outcome import Outcome
+from warpgran.run.outcome import Outcome, attributes
+from warpgran.run.resume import check_same
 from warpgran.run.to_file import bring_up_to_date, run_to_file
 from warpgran.schema import Status
 
@@ -80,6 +82,22 @@ def test_another_result_is_replaced_when_asked(path: Path, changes: Any, options
     data = wg.open_dataset(path)
     assert data.attrs["precision"] == options.get("precision", "float64")
     assert ("mu1 = 0.4\n" in data.attrs["case_toml"]) == ("rheology.mu1" in changes)
+
+
+@pytest.mark.parametrize(
+    ("there", "here", "same"), [("cpu", "cpu,cpu", True), ("cuda:1", "cuda:0,cuda:1", True), ("cpu", "cuda:0", False)]
+)
+def test_a_study_goes_on_where_the_device_is_of_the_same_kind(path: Path, there: str, here: str, same: bool) -> None:
+    run_to_file(study(), path, Options())
+    with h5py.File(path, "r+") as file:
+        file.attrs["device"] = there
+    layout = Layout(study())
+    facts = layout.attributes(**attributes(Options(), Outcome()) | {"device": here})
+    if same:
+        check_same(path, layout, facts)
+    else:
+        with pytest.raises(StorageError, match=r"differs in device \(cpu there, cuda:0 here\)"):
+            check_same(path, layout, facts)
 
 
 def test_what_is_no_result_is_replaced_when_asked(path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import warpgran as wg
@@ -39,3 +40,12 @@ def test_memory_bounds_what_is_computed_at_once() -> None:
     with pytest.raises(wg.OptionError, match="memory"):
         wg.simulate(study, memory=-1.0)
     assert (wg.simulate(study, memory=1e9)["status"] == 0).all()
+
+
+def test_beyond_the_cells_of_a_run_on_a_smaller_grid_there_are_no_numbers() -> None:
+    case = wg.Case(grid={"right": 0.3}, time={"end": 0.01, "snapshots": [0.0, 0.01]})
+    data = wg.simulate(case.sweep({"grid.cells": [40, 60]}))
+    for name in ("h", "v", "phi", "x"):
+        values = data[name].values
+        assert np.isnan(values[0, ..., 40:]).all() and np.isfinite(values[0, ..., :40]).all()
+        assert np.isfinite(values[1]).all()
