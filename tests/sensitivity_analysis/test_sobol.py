@@ -109,3 +109,10 @@ def test_the_seed_decides_the_intervals() -> None:
     y = ishigami(saltelli(64, 3, 1))[:, :, None]
     assert np.array_equal(sobol(y, 1).first_order.low, sobol(y, 1).first_order.low)
     assert not np.array_equal(sobol(y, 1).first_order.low, sobol(y, 2).first_order.low)
+
+
+def test_of_few_samples_the_intervals_may_be_infinite_and_nothing_is_warned_of() -> None:
+    """Resamples of one sample alone do not vary; pytest makes an error of the warnings that NumPy had for them."""
+    first, total = sobol(np.array([[1.0, 1.0, 2.0], [3.0, 3.0, 5.0]])[:, :, None], seed=1)
+    assert np.isfinite([first.value, total.value]).all()
+    assert [float(end.item()) for end in (first.low, first.high, total.high)] == [-np.inf, np.inf, np.inf]

@@ -102,7 +102,9 @@ def bootstrap(statistic: Any, n: int, seed: int) -> tuple[Array, Array]:
     """
     from scipy import stats
 
-    with warnings.catch_warnings():
+    # Of few samples some resamples do not vary, and their indices are infinite; the standard error of all, which scipy
+    # computes beside the ends, has no value then.
+    with warnings.catch_warnings(), np.errstate(invalid="ignore"):
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)
         found = stats.bootstrap(
             (np.arange(n),), statistic, n_resamples=RESAMPLES, vectorized=True, method="percentile",
