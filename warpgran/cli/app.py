@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import os
 from typing import Annotated, Any
 
 import typer
@@ -86,6 +87,7 @@ for command in (
 
 def main() -> None:
     """Entry point of the `warpgran` command."""
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # which it looks for in every installed package
     gc.set_threshold(100_000)  # what imports make is no garbage, and looking for some takes a tenth of a run
     atexit.register(gc.freeze)  # or Python's last act is to look for garbage in all modules, which takes 0.2 s
     app()
