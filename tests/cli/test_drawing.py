@@ -6,16 +6,19 @@ import os
 import signal
 import subprocess
 import sys
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import pytest
+from matplotlib import _mathtext
 from PIL import Image
 from typer.testing import CliRunner, Result
 
 from warpgran.cli import drawing
 from warpgran.cli.app import app
 from warpgran.figures import plot
+from warpgran.figures.style import Sheet
 
 QUICK = "grid = { right = 0.3, cells = 100 }\ntime.end = 0.01\n"
 
@@ -102,6 +105,24 @@ def test_ctrl_c_ends_the_computation_and_not_what_draws(folder: Path, processes:
     with drawing.Drawing():
         (process,) = processes
         assert os.getpgid(process.pid) == process.pid != os.getpgrp()
+
+
+def test_what_is_drawn_to_warm_up_spares_formulas_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    parsed: list[str] = []
+    parse = _mathtext.Parser.parse
+
+    def noted(self: Any, formula: str, *arguments: Any) -> Any:
+        parsed.append(formula)
+        return parse(self, formula, *arguments)
+
+    monkeypatch.setattr(_mathtext.Parser, "parse", noted)
+    drawing._warm_up()
+    parsed.clear()
+    page = Sheet()
+    for label in ("velocity $v$ (m/s)", "thickness $h$ (cm)", "$y$"):
+        page.text(0.0, 0.0, label, fontsize=8)
+    page.savefig(BytesIO(), format="png")
+    assert parsed == ["$y$"]
 
 
 @pytest.mark.parametrize(("cores", "imported"), [(1, False), (2, True)])

@@ -88,11 +88,17 @@ def main() -> None:
 
 
 def _warm_up() -> None:
-    """Draw the labels of a page while there is time: the first text waits for fonts, a sixth of the time of a page."""
-    from warpgran.figures.one_run import POSITION, PROFILES, SERIES
-    from warpgran.figures.style import Sheet
+    """Draw the labels of a page while there is time: fonts and formulas are a quarter of the time of a page."""
+    from matplotlib import rc_context
 
+    from warpgran.analysis.units import Lengths
+    from warpgran.figures.one_run import POSITION, PROFILES, SERIES
+    from warpgran.figures.style import STYLE, TIME_LABEL, Sheet
+
+    laboratory = Lengths(along=1.0, thick=0.1)  # whose units other labels may have
     page = Sheet()
-    for panel in (*PROFILES, *SERIES, POSITION):
-        page.text(0.0, 0.0, panel.label)
+    with rc_context(STYLE):
+        page.add_subplot(yscale="log", ylim=(1e-3, 10.0))
+        for label in (*(panel.of(laboratory).label for panel in (*PROFILES, *SERIES, POSITION)), TIME_LABEL):
+            page.text(0.0, 0.0, label)
     page.savefig(BytesIO(), format="png")
