@@ -27,8 +27,8 @@ from warpgran.cli.app import app
 DOCUMENTS = [ROOT / "README.md", *sorted(path for path in DOCS.rglob("*.md") if "made" not in path.parts)]
 SUITE = [*(ROOT / "warpgran").rglob("*.py"), *(ROOT / "kernels").rglob("*.py")]
 SLOW = ("calibrate", "reproduce", "verify")
-ELSEWHERE = ("cuda", "tcp://")
-"""Arguments of commands that need another machine; these and the slow ones are parsed, not run."""
+ELSEWHERE = ("cuda", "tcp://", "sensitivity.samples=")
+"""Arguments of commands that need another machine or thousands of runs; these and the slow ones are parsed, not run."""
 OWN_DATA = DOCS / "how_to" / "own_data.md"
 MEASURED: dict[str, Any] = {
     "x": np.linspace(-0.2, 1.4, 9), "b": np.linspace(0.1, 0, 9), "h": np.linspace(0.12, 0, 9), "phi": np.full(9, 0.6)
@@ -83,7 +83,8 @@ def python_blocks(path: Path) -> list[str]:
 
 def commands(path: Path) -> list[list[str]]:
     """The arguments of each `warpgran` in the blocks of code of a document, without what the shell does with it."""
-    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("    ")]
+    text = path.read_text(encoding="utf-8").replace("\\\n", "")  # a command in two lines is one
+    lines = [line for line in text.splitlines() if line.startswith("    ")]
     parts = [part for line in lines for part in line.split("&&") if part.strip().startswith("warpgran ")]
     return [shlex.split(part.partition(" > ")[0], comments=True)[1:] for part in parts]
 
