@@ -62,6 +62,19 @@ def test_absurd_numbers_are_refused_in_a_line(tmp_path: Path, sound: Path, name:
         assert (result.exit_code, result.stderr) == (2, f"warpgran: {words}\n"), result.output
 
 
+def test_a_study_whose_file_has_such_numbers_is_not_reported(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(
+        'grid.cells = 40\ntime = { end = 0.02, snapshots = [] }\nsweep.over = { "slope.angle" = [5, 10] }\n'
+    )
+    run = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "out.h5"), "--no-picture"]
+    assert CliRunner().invoke(app, run).exit_code == 0
+    with h5py.File(tmp_path / "out.h5", "r+") as file:
+        file["front"][0, -1] = 1e308
+    again = CliRunner().invoke(app, [*run, "--resume"])
+    said = [line for line in again.output.splitlines() if "warning: " not in line]
+    assert said == [f"warpgran: cannot read {tmp_path / 'out.h5'}: it is malformed: front of run 0 holds 1e+308"]
+
+
 def test_times_and_positions_are_judged_when_the_file_is_opened(tmp_path: Path, sound: Path) -> None:
     for name in ("x", "time", "series_time"):
         path = spoiled(sound, tmp_path / f"{name}.h5", name, 1e308)

@@ -26,6 +26,7 @@ def report(study: Study, data: RunColumns, outcome: Outcome) -> None:
     from warpgran.analysis.run_columns import WAITING
     from warpgran.analysis.summary import summary_columns
 
+    table = summary_columns(data)  # first, since nothing is said of numbers that cannot be read
     if outcome.spoiled:
         were = "1 run was" if outcome.spoiled == 1 else f"{outcome.spoiled} runs were"
         tell(f"{were} damaged in the file of the earlier start, and computed again")
@@ -34,7 +35,7 @@ def report(study: Study, data: RunColumns, outcome: Outcome) -> None:
     print_caveats(data)
     if study.base.title:
         say(study.base.title)
-    print_summary(summary_columns(data))
+    print_summary(table)
     print_speed(outcome)
     if outcome.interrupted:
         if not np.isin(data.status, WAITING).any():
