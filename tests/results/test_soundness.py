@@ -197,6 +197,14 @@ def test_attributes_that_hdf5_cannot_read_are_a_line(tmp_path: Path, sound: Path
     for command in ("summary", "plot", "animate"):
         result = CliRunner().invoke(app, [command, str(path)])
         assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1
+    data = bytearray(sound.read_bytes())
+    at = data.index(b"long_name", data.index(b"dilation_max")) + 16  # of one that only xarray and a merge read
+    data[at : at + 8] = b"\xff" * 8
+    path.write_bytes(data)
+    with pytest.raises(StorageError, match=r"cannot read .*bad\.h5: it is (malformed|damaged)"):
+        wg.open_dataset(path)
+    with pytest.raises(StorageError, match=r"cannot read .*bad\.h5: it is (malformed|damaged)"):
+        merge([path], tmp_path / "out.h5")
 
 
 HOLD = "import h5py, sys; f = h5py.File(sys.argv[1], 'r+'); print('held', flush=True); sys.stdin.read()"

@@ -94,6 +94,9 @@ def _check_contained(path: Path, file: h5py.File, runs: Array) -> None:
 def _join(files: Sequence[h5py.File], target: h5py.File, reserve: Reserve, order: Array) -> None:
     """Copy all datasets, their attributes and scales; order: of the runs of all files, one file after another."""
     first = files[0]
+    with unspoiled(Path(first.filename)):
+        for data in first.values():
+            dict(data.attrs)
     target.attrs.update(first.attrs)
     for name in Spent._fields:
         target.attrs[name] = sum(file.attrs[name] for file in files)

@@ -77,8 +77,8 @@ def _fault(file: h5py.File, size: int) -> str:
     dimensions = {name: COORDINATES[name] for name in ("run", "time", "series_time", along)}
     variables = {**dimensions, **GRID, **FIELDS, **SERIES, **PER_RUN}
     found = {name: file[name] for name in file}  # once, since HDF5 takes long to look for a name
-    for item in (file, *found.values()):
-        dict(item.attrs)  # which HDF5 cannot read where its structure is spoiled, now or when they are used
+    for item in (file, *(data for name, data in found.items() if name == "status" or is_key(name))):
+        dict(item.attrs)  # which are used without xarray, and HDF5 cannot read where its structure is spoiled
     variables |= {name: Variable(("run",), "", "") for name in found if is_key(name)}
     for name, variable in variables.items():
         padded = along == "cell" and name not in dimensions
