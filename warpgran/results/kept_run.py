@@ -66,8 +66,9 @@ class KeptRun:
         """
         for k in range(self._snapshots, self._recorded(checkpoint.numbers["output"])):
             for name, profile in zip(FIELDS, checkpoint.profiles, strict=True):
-                self._write(name, k, profile[k].tobytes())
-                self._seen.add(profile[k])
+                snapshot = profile[k].astype(np.float64)
+                self._write(name, k, snapshot.tobytes())
+                self._seen.add(snapshot)
             self._snapshots = k + 1
         numbers = [checkpoint.numbers[name] for name in NUMBERS]
         row = np.concatenate([numbers, checkpoint.U.ravel(), checkpoint.scalars.ravel()])
@@ -101,7 +102,8 @@ class KeptRun:
         """Read the checkpoint at a place, with its snapshots; whether these are as they were written."""
         numbers = dict(zip(NUMBERS, row.tolist(), strict=False))
         cells, snapshots = self._layout.cells, self._layout.outputs.snapshots
-        profiles, seen, recorded = np.full((3, snapshots, cells), np.nan), _Sum(), self._recorded(numbers["output"])
+        profiles = tuple(np.full((snapshots, cells), np.nan) for _ in FIELDS)
+        seen, recorded = _Sum(), self._recorded(numbers["output"])
         try:
             for k in range(recorded):
                 for name, profile in zip(FIELDS, profiles, strict=True):

@@ -15,18 +15,19 @@ wall time of the time loop so far [s]."""
 
 
 class Checkpoint(NamedTuple):
-    """A run proper on its way, in float64, which holds every float32.
+    """A run proper on its way; float64 holds every float32.
 
     Attributes:
         U: phi h [m], phi h v [m2/s], phi^alpha h [m] of its cells, shape (3, cells).
         scalars: The samples so far, shape (samples, scalars); NaN where there is none yet.
-        profiles: h [m], v [m/s], phi of the snapshots so far, shape (3, snapshots, cells); NaN where there is none yet.
+        profiles: h [m], v [m/s], phi of the snapshots so far, each (snapshots, cells); NaN where there is none yet.
+            Perhaps the run's own arrays, since a snapshot does not change any more.
         numbers: Each of NUMBERS.
     """
 
     U: Array
     scalars: Array
-    profiles: Array
+    profiles: tuple[Array, ...]
     numbers: Mapping[str, float]
 
     @property

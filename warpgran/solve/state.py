@@ -158,7 +158,7 @@ class State:
         return Checkpoint(
             np.stack([self.of_run(array, 0) for array in self.U], dtype=np.float64),
             self.recorded_scalars()[0],
-            np.stack([profile[0, :, : self.cells[0]] for profile in self.recorded_profiles()], dtype=np.float64),
+            tuple(profile[0, :, : self.cells[0]] for profile in self._profiles()),
             {**numbers, "start_surplus": float(self.start_surplus[0]), "seconds": seconds},
         )
 
@@ -182,8 +182,12 @@ class State:
 
     def recorded_profiles(self) -> tuple[Array, ...]:
         """h [m], v [m/s], phi of the snapshots so far, each (runs, snapshots, padded); NaN where there is none yet."""
+        return tuple(map(np.array, self._profiles()))
+
+    def _profiles(self) -> tuple[Array, ...]:
+        """The same; on a CPU without a copy."""
         shape = (self.runs, self.outputs.snapshots, self.padded)
-        return tuple(np.array(array.numpy()).reshape(shape) for array in (self.h_out, self.v_out, self.phi_out))
+        return tuple(array.numpy().reshape(shape) for array in (self.h_out, self.v_out, self.phi_out))
 
 
 def _initial(case: Case) -> dict[str, Array]:
