@@ -203,7 +203,7 @@ def test_a_spoiled_screening_is_refused_in_a_line(tmp_path: Path) -> None:
         kept.write_bytes(sound[:at] + bytes([sound[at] ^ 1]) + sound[at + 1 :])
         refused = CliRunner().invoke(app, ["calibrate", str(tmp_path / "two.toml"), *options])
         assert refused.exit_code == 2 and isinstance(refused.exception, SystemExit)
-        assert refused.stderr == f"warpgran: cannot write {kept}: {kept} is there and is no result; remove it first\n"
+        assert refused.stderr == f"warpgran: cannot write {kept}: {kept} is damaged, or no result; remove it first\n"
     kept.write_bytes(sound)
     again = CliRunner().invoke(app, ["calibrate", str(tmp_path / "two.toml"), *options])
     assert again.exit_code == 0 and "\n0 runs in " in again.output and kept.read_bytes() == sound

@@ -97,5 +97,5 @@ def test_kept_runs_that_are_damaged_are_told(experiments: Experiments, tmp_path:
     data = bytearray(path.read_bytes())
     data[chunk.byte_offset : chunk.byte_offset + chunk.size] = bytes(chunk.size)
     path.write_bytes(data)
-    with pytest.raises(StorageError, match=r"cannot read .*runs\.h5: it is damaged"):
+    with pytest.raises(StorageError, match=r"runs\.h5 is damaged, or no result; remove it first"):
         Forward(experiments, NAMES, Options()).kept(THETA, path)

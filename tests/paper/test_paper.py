@@ -331,7 +331,7 @@ def test_what_matches_is_left_alone_and_what_does_not_is_computed_anew(tmp_path:
     assert bring_up_to_date(study(10.0), path, Options(), progress=told.append)
     assert "angle = 10.0" in open_dataset(path).attrs["case_toml"]
     path.write_bytes(b"no result")
-    with pytest.raises(StorageError, match="is there and is no result; remove it first"):
+    with pytest.raises(StorageError, match="is damaged, or no result; remove it first"):
         bring_up_to_date(study(), path, Options())
     path.unlink()
     assert bring_up_to_date(study(), path, Options())

@@ -170,7 +170,7 @@ def test_chosen_runs_alone_are_in_the_page(tmp_path: Path) -> None:
     data = batch(column__phi=[0.55, 0.58, 0.6, 0.62])
     html = written(data, tmp_path, runs=[1, 3])
     assert unpacked(html, "table-data")[0]["run"] == [1, 3]
-    with pytest.raises(wg.OptionError, match="none of 7, 9 is in the results"):
+    with pytest.raises(wg.OptionError, match="runs: 7, 9 are in no result"):
         page.view(data, tmp_path / "page.html", runs=[7, 9])
 
 

@@ -103,7 +103,7 @@ def bring_up_to_date(
     for found in (path, part_of(path)):
         differs = differences(found, layout, facts) if found.exists() else []
         if differs is None:
-            raise StorageError(f"cannot write {path}: {found} is there and is no result; remove it first")
+            raise StorageError(f"cannot write {path}: {found} is damaged, or no result; remove it first")
         if differs:
             found.unlink()
     if not part_of(path).exists():
