@@ -142,6 +142,19 @@ def test_what_was_spent_is_that_of_all_sessions(path: Path) -> None:
     assert spent["wall_seconds"] >= spent["kernel_seconds"]
 
 
+def test_what_was_spent_counts_a_run_that_was_done_when_it_was_killed(tmp_path: Path, path: Path) -> None:
+    run_to_file(study(), tmp_path / "whole.h5", Options())
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(KilledError):
+
+        def killed(*arguments: Any) -> None:
+            raise KilledError
+
+        patch.setattr("warpgran.results.part_file.PartFile.finish", killed)
+        run_to_file(study(), path, Options())
+    run_to_file(study(), path, Options(), resume=True)
+    assert_same(path, tmp_path / "whole.h5")
+
+
 def test_the_start_on_finer_cells_is_not_kept(path: Path) -> None:
     outcome = interrupt(study(**{"scheme.start": 3, "grid.cells": 400}), path)
     assert outcome.interrupted

@@ -112,7 +112,8 @@ class PartFile:
             if self.keeper:
                 self.keeper.read(file)
                 self.spoiled += self.keeper.spoiled
-                if kept := self.keeper.kept:  # a session that was killed told no more
+                # A session that was killed within the run told no more.
+                if pending(self.status).any() and (kept := self.keeper.kept):
                     wall = max(self.before.wall_seconds, kept.numbers["seconds"])
                     self.before = Spent(kept.cell_steps, kept.numbers["seconds"], wall)
         for place in np.flatnonzero(~pending(self.status)).tolist():
