@@ -103,7 +103,7 @@ def test_a_study_goes_on_where_the_device_is_of_the_same_kind(path: Path, there:
 def test_what_is_no_result_is_replaced_when_asked(path: Path) -> None:
     path.write_text("a thesis")
     for compute in (run_to_file, bring_up_to_date):
-        with pytest.raises(StorageError, match=r"out\.h5 is there and is no result"):
+        with pytest.raises(StorageError, match=r"out\.h5 is damaged, or no result"):
             compute(study(), path, Options())
     assert path.read_text() == "a thesis"
     run_to_file(study(), path, Options(), force=True)

@@ -55,7 +55,7 @@ def check_replaceable(path: Path, part: Path, layout: Layout, facts: Mapping[str
             continue
         differs = differences(found, layout, facts)
         if differs is None:
-            raise StorageError(f"cannot write {path}: {found} is there and is no result; --force replaces it")
+            raise StorageError(f"cannot write {path}: {found} is damaged, or no result; --force replaces it")
         done, runs = done_of(found)
         with reading(found) as file:
             until = kept_until(file)
